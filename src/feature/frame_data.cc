@@ -1,0 +1,71 @@
+#include "feature/frame_data.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <opencv2/calib3d.hpp>
+
+#include "base/error.h"
+
+namespace rds {
+
+ScalePyramid::ScalePyramid(int levels_, double factor_)
+    : levels(levels_), factor(factor_), log_factor(std::log(factor_)) {
+  Check(levels > 0 && factor > 1, "a scale pyramid needs a level and a factor above 1");
+  for (int i = 0; i < levels; ++i) {
+    const double s = std::pow(factor, i);
+    scale.push_back(static_cast<float>(s));
+    inverse_sigma2.push_back(1.0 / (s * s));
+  }
+}
+
+int ScalePyramid::PredictLevel(double max_distance_m, double distance_m) const {
+  const int level = static_cast<int>(std::ceil(std::log(max_distance_m / distance_m) / log_factor));
+  return std::clamp(level, 0, levels - 1);
+}
+
+FrameData::FrameData(const PinholeCamera& camera, std::vector<Keypoint> keypoints, std::vector<Descriptor> descriptors)
+    : camera_(camera), keypoints_(std::move(keypoints)), descriptors_(std::move(descriptors)) {
+  Check(keypoints_.size() == descriptors_.size(), "a descriptor for each keypoint");
+  Check(keypoints_.size() < std::numeric_limits<std::uint16_t>::max(), "fewer than 65535 keypoints");
+  max_x_ = static_cast<float>(camera.width);
+  max_y_ = static_cast<float>(camera.height);
+  if (camera.HasDistortion()) {
+    const cv::Matx33d k(camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1);
+    std::vector<cv::Point2f> corners = {{0, 0}, {max_x_, 0}, {0, max_y_}, {max_x_, max_y_}};
+    cv::undistortPoints(corners, corners, k, cv::Mat(1, 5, CV_64F, camera_.distortion.data()), cv::noArray(), k);
+    min_x_ = std::min(corners[0].x, corners[2].x);
+    max_x_ = std::max(corners[1].x, corners[3].x);
+    min_y_ = std::min(corners[0].y, corners[1].y);
+    max_y_ = std::max(corners[2].y, corners[3].y);
+  }
+  columns_per_px_ = kGridColumns / (max_x_ - min_x_);
+  rows_per_px_ = kGridRows / (max_y_ - min_y_);
+
+  // Counting sort of the keypoints into the cells.
+  cell_start_.assign(static_cast<std::size_t>(kGridColumns * kGridRows) + 1, 0);
+  cell_items_.resize(keypoints_.size());
+  const auto cell_of = [this](const Keypoint& k) {
+    return static_cast<std::size_t>(Row(k.y) * kGridColumns + Column(k.x));
+  };
+  for (const Keypoint& keypoint : keypoints_) {
+    ++cell_start_[cell_of(keypoint) + 1];
+  }
+  for (std::size_t i = 1; i < cell_start_.size(); ++i) {
+    cell_start_[i] = static_cast<std::uint16_t>(cell_start_[i] + cell_start_[i - 1]);
+  }
+  std::vector<std::uint16_t> next(cell_start_.begin(), cell_start_.end() - 1);
+  for (std::size_t i = 0; i < keypoints_.size(); ++i) {
+    cell_items_[next[cell_of(keypoints_[i])]++] = static_cast<std::uint16_t>(i);
+  }
+}
+
+int FrameData::Column(float x) const {
+  return static_cast<int>(std::clamp((x - min_x_) * columns_per_px_, 0.0F, kGridColumns - 1.0F));
+}
+
+int FrameData::Row(float y) const {
+  return static_cast<int>(std::clamp((y - min_y_) * rows_per_px_, 0.0F, kGridRows - 1.0F));
+}
+
+}  // namespace rds

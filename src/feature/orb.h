@@ -1,0 +1,39 @@
+// ORB features: pyramid, FAST corners spread evenly over the image, orientation, rotated BRIEF descriptors.
+#pragma once
+
+#include <memory>
+
+#include "base/image.h"
+#include "feature/frame_data.h"
+
+namespace rds {
+
+struct OrbOptions {
+  int features = 1000;          // keypoints wanted
+  int levels = 8;               // pyramid levels
+  double scale_factor = 1.2;    // between levels
+  int fast_threshold = 20;      // grey values
+  int min_fast_threshold = 7;   // used in cells where the first threshold finds nothing
+};
+
+// Extracts ORB features (Rublee et al., "ORB: an efficient alternative to SIFT or SURF", ICCV 2011) and looks up their
+// depth. Keeps its buffers between calls: use one instance per thread. Deterministic: same input, same bytes out.
+class OrbExtractor {
+ public:
+  explicit OrbExtractor(const OrbOptions& options);
+  ~OrbExtractor();
+  OrbExtractor(const OrbExtractor&) = delete;
+  OrbExtractor& operator=(const OrbExtractor&) = delete;
+
+  [[nodiscard]] const ScalePyramid& pyramid() const;
+
+  // Features of a frame; `image` is grey or BGR, both images have the camera's size (else InvariantError). Never throws
+  // on image content: a black image gives no features.
+  [[nodiscard]] FrameData Extract(const PinholeCamera& camera, const Image8& image, const Image16& depth);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace rds

@@ -1,0 +1,35 @@
+// Pinhole RGB-D camera.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+
+namespace rds {
+
+// Intrinsics of a registered RGB-D camera. Camera frame: x right, y down, z forward; pixel (0, 0) is the centre of the
+// top left pixel. Distortion is Brown-Conrady (k1, k2, p1, p2, k3), as in OpenCV. A value: safe to copy between threads.
+struct PinholeCamera {
+  int width = 640;
+  int height = 480;
+  double fx = 0;  // pixels
+  double fy = 0;
+  double cx = 0;
+  double cy = 0;
+  std::array<double, 5> distortion{};
+  double depth_scale = 5000;  // units of a depth image in a metre
+  double baseline_m = 0.08;   // of the virtual right camera that turns depth into disparity (and of the sensor itself)
+
+  [[nodiscard]] bool HasDistortion() const { return distortion != std::array<double, 5>{}; }
+  // Focal length times baseline (pixel metres): disparity_px = bf / depth_m.
+  [[nodiscard]] double Bf() const { return fx * baseline_m; }
+  // Undistorted pixel of a point in the camera frame with z > 0.
+  [[nodiscard]] Eigen::Vector2d Project(const Eigen::Vector3d& point_in_camera) const {
+    return {fx * point_in_camera.x() / point_in_camera.z() + cx, fy * point_in_camera.y() / point_in_camera.z() + cy};
+  }
+  // Point in the camera frame of an undistorted pixel at a depth.
+  [[nodiscard]] Eigen::Vector3d Unproject(const Eigen::Vector2d& pixel, double depth_m) const {
+    return {(pixel.x() - cx) / fx * depth_m, (pixel.y() - cy) / fy * depth_m, depth_m};
+  }
+};
+
+}  // namespace rds

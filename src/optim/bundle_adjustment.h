@@ -1,0 +1,55 @@
+// Bundle adjustment: poses and points refined together. Problem in, result out, no map inside.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "geometry/camera.h"
+#include "geometry/rigid3.h"
+#include "optim/observation.h"
+
+namespace rds {
+
+// A self-contained copy of the part of a map to be optimised.
+struct BundleProblem {
+  struct Pose {
+    Rigid3 camera_from_world;
+    bool fixed = false;
+  };
+  struct Observation {
+    std::uint32_t pose = 0;   // index into poses
+    std::uint32_t point = 0;  // index into points
+    PixelObservation keypoint;
+  };
+
+  PinholeCamera camera;
+  std::vector<Pose> poses;
+  std::vector<Eigen::Vector3d> points;  // in the world frame
+  std::vector<Observation> observations;
+};
+
+struct BundleOptions {
+  int robust_iterations = 5;   // with the Huber kernel on everything
+  int final_iterations = 5;    // without the outliers found by then; 0 = skip
+  double huber_mono = 2.4477;   // sqrt(5.991), px
+  double huber_depth = 2.7955;  // sqrt(7.815), px
+};
+
+struct BundleResult {
+  std::vector<Rigid3> poses;             // camera_from_world, as in the problem; fixed ones unchanged
+  std::vector<Eigen::Vector3d> points;   // in the world frame
+  std::vector<std::uint8_t> outlier;     // one for each observation: chi2 above the 95 % quantile or behind the camera
+  bool usable = false;                   // false: nothing to optimise, the solver failed or was stopped before one step
+  int iterations = 0;
+  double initial_cost = 0;
+  double final_cost = 0;
+};
+
+// Solves on the calling thread (deterministic). `stop` is polled between iterations; when it returns true the best
+// state so far is returned. Re-entrant. Throws InvariantError on indices out of range.
+[[nodiscard]] BundleResult AdjustBundle(const BundleProblem& problem, const BundleOptions& options = {},
+                                        const std::function<bool()>& stop = {});
+
+}  // namespace rds

@@ -1,0 +1,26 @@
+// Observations of map points in keypoints, as the optimisers take them.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "geometry/camera.h"
+
+namespace rds {
+
+// Keypoint side of an observation. With depth the residual has three rows (x, y, right_x), without two (x, y):
+// residual = weight * sqrt(inverse_sigma2) * (measured - projected), in pixels of level 0.
+// `weight` is 1 - p of the paper's equation 6 and enters residual and Jacobian alike (so the cost carries weight^2).
+struct PixelObservation {
+  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();  // undistorted
+  double right_x = -1;                              // x - bf / depth; negative = no depth
+  double inverse_sigma2 = 1;                        // 1 / px^2, from the pyramid level
+  double weight = 1;                                // in [0, 1]
+
+  [[nodiscard]] bool HasDepth() const { return right_x >= 0; }
+};
+
+// 95 % quantiles of the chi-square distribution, for two and three degrees of freedom.
+inline constexpr double kChi2Mono = 5.991;
+inline constexpr double kChi2Depth = 7.815;
+
+}  // namespace rds

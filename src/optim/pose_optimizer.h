@@ -1,0 +1,46 @@
+// Optimises one camera pose over fixed points.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "geometry/camera.h"
+#include "geometry/rigid3.h"
+#include "optim/observation.h"
+
+namespace rds {
+
+struct PoseObservation {
+  Eigen::Vector3d point_in_world = Eigen::Vector3d::Zero();
+  PixelObservation keypoint;
+};
+
+struct PoseOptimizerOptions {
+  int rounds = 4;                 // inliers are classified anew after each
+  int iterations_per_round = 10;  // at most; a round ends when the step is tiny
+  int robust_rounds = 2;          // the first rounds with the Huber kernel; later ones plain least squares on inliers
+};
+
+struct PoseResult {
+  Rigid3 camera_from_world;
+  std::vector<std::uint8_t> inlier;  // one for each observation, 1 = its unweighted chi2 is below the 95 % quantile
+  int inliers = 0;
+  bool converged = false;            // false: fewer than 3 inliers or a singular system; the pose is the initial one
+  Eigen::Matrix<double, 6, 6> information = Eigen::Matrix<double, 6, 6>::Zero();  // J^T W J at the end, (t, w) order
+};
+
+// Residual of one observation and its 3x6 Jacobian by Perturb (geometry/rigid3.h), unweighted, unscaled by sigma.
+// Row 3 is zero for observations without depth. False if the point is behind the camera (z <= 0).
+[[nodiscard]] bool PoseResidual(const PinholeCamera& camera, const Rigid3& camera_from_world,
+                                const PoseObservation& observation, Eigen::Vector3d* residual_px,
+                                Eigen::Matrix<double, 3, 6>* jacobian);
+
+// Levenberg-Marquardt with Huber kernels in rounds of inlier classification; the motion-only bundle adjustment of
+// ORB-SLAM (Mur-Artal et al., T-RO 2015, section V) with the weight of RDS-SLAM's equation 6. Re-entrant.
+[[nodiscard]] PoseResult OptimizePose(const PinholeCamera& camera, const Rigid3& initial_camera_from_world,
+                                      std::span<const PoseObservation> observations,
+                                      const PoseOptimizerOptions& options = {});
+
+}  // namespace rds

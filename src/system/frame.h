@@ -1,0 +1,65 @@
+// What goes into the system and what comes out for each frame.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "base/ids.h"
+#include "base/image.h"
+#include "geometry/rigid3.h"
+
+namespace rds {
+
+// One registered RGB-D frame. Images are shared, never copied or changed.
+struct RgbdFrame {
+  double timestamp_s = 0;               // strictly increasing from frame to frame
+  std::shared_ptr<const Image8> image;  // BGR or grey, 8 bit
+  std::shared_ptr<const Image16> depth; // of the same size; units of PinholeCamera::depth_scale
+};
+
+enum class TrackingState : std::uint8_t { kNotInitialized, kTracked, kLost };
+
+// Class of a keypoint after tracking; colours of the paper's figures 12, 13, 15.
+enum class FeatureState : std::uint8_t {
+  kUnmatched,
+  kStatic,    // matched to a static point and used (blue)
+  kUnknown,   // matched to a point of unknown state (green)
+  kRejected,  // matched to a dynamic point or thrown out as an outlier (red)
+};
+
+struct FeatureView {
+  float x = 0;  // pixel in the recorded image
+  float y = 0;
+  FeatureState state = FeatureState::kUnmatched;
+};
+
+// Wall time of the parts of Process, milliseconds.
+struct FrameTiming {
+  double total_ms = 0;
+  double extraction_ms = 0;
+  double matching_ms = 0;   // motion model or reference keyframe: search
+  double pose_ms = 0;       // pose optimisations
+  double local_map_ms = 0;  // projecting and searching the local map
+  double cpu_ms = 0;        // CPU time of the calling thread
+};
+
+// Outcome of one frame.
+struct FrameResult {
+  FrameId frame;
+  double timestamp_s = 0;
+  TrackingState state = TrackingState::kNotInitialized;
+  std::optional<Rigid3> world_from_camera;  // present if and only if tracked
+  bool is_keyframe = false;
+  int static_matches = 0;    // used for the pose
+  int unknown_matches = 0;   // used for the pose
+  int rejected_matches = 0;  // dynamic, or outliers of the pose optimisation
+  std::optional<int> semantic_delay_frames;  // d of the paper's equation 1; absent before the first label
+  int keyframes_in_map = 0;
+  int points_in_map = 0;
+  FrameTiming timing;
+  std::vector<FeatureView> features;  // only where SystemOptions::keep_features asks for them
+};
+
+}  // namespace rds
