@@ -1,0 +1,84 @@
+// The public API: frames in, trajectory and map out.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "geometry/camera.h"
+#include "geometry/trajectory.h"
+#include "semantic/segmenter.h"
+#include "system/frame.h"
+#include "system/options.h"
+
+namespace rds {
+
+// What the semantic threads did with one keyframe.
+struct LabelEvent {
+  FrameId labelled_frame;  // frame of the keyframe that was labelled
+  FrameId current_frame;   // newest frame when its label arrived
+  double segmentation_ms = 0;  // of the request (shared by the keyframes of a batch)
+  double mask_ms = 0;          // dilation
+  double update_ms = 0;        // Bayes step
+  double optimisation_ms = 0;  // semantic-based optimisation; 0 = none was due
+};
+
+// A view for drawing; copies, so it stays valid.
+struct MapView {
+  std::vector<Rigid3> keyframes;        // world_from_camera, in order of creation
+  std::vector<Eigen::Vector3f> points;  // in the world frame, metres
+  std::vector<float> moving_probability;  // one for each point
+};
+
+// Mask of the newest labelled keyframe, dilated: 255 = dynamic. For drawing.
+struct MaskView {
+  FrameId frame;
+  std::shared_ptr<const Image8> mask;  // null before the first label
+};
+
+// Outcome of a run.
+struct SlamResult {
+  Trajectory frames;     // one pose for each tracked frame, with all later corrections of its reference keyframe
+  Trajectory keyframes;  // keyframes that are in the map at the end
+  int processed_frames = 0;
+  int tracked_frames = 0;
+  int lost_frames = 0;
+  std::vector<double> local_ba_ms;  // one for each local bundle adjustment
+  std::vector<LabelEvent> labels;   // in order of arrival
+  int segmentation_failures = 0;    // requests that threw, timed out or gave unusable masks
+  int keyframes_left_unlabelled = 0;
+  MapView map;
+  int static_points = 0;
+  int unknown_points = 0;
+  int dynamic_points = 0;
+};
+
+// RGB-D SLAM. One caller's thread calls Process and Finish; worker threads live inside and are joined by Finish or the
+// destructor. World frame: the camera frame of the first tracked frame. Throws InputError for images of a wrong size
+// or type and for timestamps that do not increase; the system stays usable after that.
+class Slam {
+ public:
+  // `segmenter` may be null (no semantics). In lockstep (options.system.lockstep) everything runs on the caller's
+  // thread in a fixed order.
+  Slam(const PinholeCamera& camera, const Options& options, std::unique_ptr<Segmenter> segmenter = nullptr);
+  ~Slam();
+  Slam(const Slam&) = delete;
+  Slam& operator=(const Slam&) = delete;
+
+  // Tracks one frame. Never waits for mapping or segmentation (threaded executor).
+  FrameResult Process(const RgbdFrame& frame);
+
+  // Lets the workers finish what is queued (labels still missing are waited for up to a limit), joins them and returns
+  // the result. No Process after that.
+  SlamResult Finish();
+
+  // Copies for drawing; may be called between Process calls.
+  [[nodiscard]] MapView ViewMap() const;
+  [[nodiscard]] MaskView ViewMask() const;
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace rds
