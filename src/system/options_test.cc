@@ -1,0 +1,144 @@
+#include "system/options.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "base/error.h"
+
+namespace rds {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+// What an InputError says, or "" if none is thrown.
+template <typename Function>
+std::string ErrorOf(Function&& function) {
+  try {
+    function();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+std::string ErrorOfSet(const std::string& key, const std::string& value) {
+  return ErrorOf([&] {
+    Options options;
+    SetOption(options, key, value);
+  });
+}
+
+TEST(Options, DefaultsAreValid) { EXPECT_NO_THROW(ValidateOptions(Options{})); }
+
+TEST(Options, EveryEntryIsExplained) {
+  Options options;
+  const OptionTable table = BindOptions(options);
+  for (const OptionEntry& entry : table.entries()) {
+    EXPECT_FALSE(entry.meaning.empty()) << entry.key;
+    EXPECT_FALSE(entry.range.empty()) << entry.key;
+    EXPECT_THAT(entry.key, HasSubstr("."));
+  }
+}
+
+TEST(Options, KeysOfAGroupStandTogether) {
+  Options options;
+  std::set<std::string> seen;
+  std::string group;
+  const OptionTable table = BindOptions(options);
+  for (const OptionEntry& entry : table.entries()) {
+    const std::string entry_group = entry.key.substr(0, entry.key.find('.'));
+    if (entry_group != group) {
+      EXPECT_TRUE(seen.insert(entry_group).second) << entry.key;
+      group = entry_group;
+    }
+  }
+}
+
+TEST(Options, SetsEachType) {
+  Options options;
+  SetOption(options, "orb.features", "1500");
+  SetOption(options, "orb.scale_factor", "1.25");
+  SetOption(options, "system.lockstep=true");
+  EXPECT_EQ(options.orb.features, 1500);
+  EXPECT_EQ(options.orb.scale_factor, 1.25);
+  EXPECT_TRUE(options.system.lockstep);
+}
+
+TEST(Options, UnknownKeySuggestsTheNearest) {
+  EXPECT_THAT(ErrorOfSet("orb.featurs", "5"), AllOf(HasSubstr("orb.featurs"), HasSubstr("'orb.features'")));
+  EXPECT_THAT(ErrorOfSet("nothing_like_it_at_all", "5"), HasSubstr("unknown option"));
+}
+
+TEST(Options, WrongTypeNamesKeyValueAndRange) {
+  for (const char* value : {"many", "", "12x", "1e3", "1.5", " 500"}) {
+    EXPECT_THAT(ErrorOfSet("orb.features", value),
+                AllOf(HasSubstr("orb.features"), HasSubstr("'" + std::string(value) + "'"), HasSubstr("100 .. 10000")));
+  }
+  EXPECT_THAT(ErrorOfSet("system.lockstep", "1"), HasSubstr("true or false"));
+}
+
+TEST(Options, OutOfRangeNamesKeyValueAndRange) {
+  for (const char* value : {"99", "10001", "-3"}) {
+    EXPECT_THAT(ErrorOfSet("orb.features", value),
+                AllOf(HasSubstr("orb.features"), HasSubstr(value), HasSubstr("100 .. 10000")));
+  }
+  EXPECT_THAT(ErrorOfSet("orb.features", "99999999999"), HasSubstr("orb.features"));
+  EXPECT_THAT(ErrorOfSet("orb.scale_factor", "nan"), HasSubstr("range"));
+  EXPECT_EQ(ErrorOfSet("orb.features", "100"), "");
+  EXPECT_EQ(ErrorOfSet("orb.features", "10000"), "");
+}
+
+TEST(Options, FailedSetLeavesTheValue) {
+  Options options;
+  EXPECT_THROW(SetOption(options, "orb.features", "1"), InputError);
+  EXPECT_EQ(options.orb.features, Options{}.orb.features);
+}
+
+TEST(Options, AssignmentNeedsAKey) {
+  Options options;
+  EXPECT_THAT(ErrorOf([&] { SetOption(options, "orb.features"); }), HasSubstr("key=value"));
+  EXPECT_THAT(ErrorOf([&] { SetOption(options, "=5"); }), HasSubstr("key=value"));
+}
+
+TEST(Options, ValidateFindsWhatCodeSet) {
+  Options options;
+  options.orb.levels = 0;
+  EXPECT_THAT(ErrorOf([&] { ValidateOptions(options); }), HasSubstr("orb.levels"));
+  options = {};
+  options.orb.min_fast_threshold = options.orb.fast_threshold + 1;
+  EXPECT_THAT(ErrorOf([&] { ValidateOptions(options); }), HasSubstr("orb.min_fast_threshold"));
+}
+
+TEST(OptionTable, ChoiceTakesNamesOnly) {
+  enum class Colour { kRed, kGreen, kBlue } colour = Colour::kGreen;
+  OptionTable table;
+  table.Choice("a.colour", colour, {{"red", Colour::kRed}, {"green", Colour::kGreen}, {"blue", Colour::kBlue}}, "hue");
+  const OptionEntry& entry = table.Find("a.colour");
+  EXPECT_EQ(entry.get(), "green");
+  EXPECT_EQ(entry.range, "red, green or blue");
+  entry.set("blue");
+  EXPECT_EQ(colour, Colour::kBlue);
+  EXPECT_THAT(ErrorOf([&] { entry.set("pink"); }), AllOf(HasSubstr("a.colour"), HasSubstr("red, green or blue")));
+}
+
+TEST(OptionTable, SameKeyTwiceIsABug) {
+  bool value = false;
+  OptionTable table;
+  table.Flag("a.b", value, "x");
+  EXPECT_THROW(table.Flag("a.b", value, "x"), InvariantError);
+}
+
+TEST(OptionTable, NumbersReadBackExactly) {
+  double value = 0.1 + 0.2;
+  const double before = value;
+  OptionTable table;
+  table.Real("a.b", value, 0, 1, "x");
+  table.Find("a.b").set(table.Find("a.b").get());
+  EXPECT_EQ(value, before);
+}
+
+}  // namespace
+}  // namespace rds
