@@ -1,0 +1,35 @@
+// A thread that is always joined.
+#pragma once
+
+#include <functional>
+#include <future>
+#include <thread>
+
+namespace rds {
+
+// Runs a function on a thread of its own. The destructor joins; an exception that leaves the function is kept for
+// Join, so no worker dies in silence. The owner must make the function return (by closing its queue, for instance)
+// before it joins.
+class Worker {
+ public:
+  explicit Worker(std::function<void()> function);
+  ~Worker();
+  Worker(const Worker&) = delete;
+  Worker& operator=(const Worker&) = delete;
+
+  // Waits for the function's end and throws what it threw. Later calls do nothing.
+  void Join();
+
+  // Waits at most `seconds` for the function's end; true if it has ended.
+  [[nodiscard]] bool WaitFor(double seconds) const;
+
+  // Gives the thread up: it goes on alone until its function returns. Only for a function stuck in foreign code, that
+  // shares ownership of everything it touches.
+  void Abandon();
+
+ private:
+  std::future<void> done_;
+  std::thread thread_;
+};
+
+}  // namespace rds
