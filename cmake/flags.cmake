@@ -1,0 +1,31 @@
+# Compiler flags of this project's own code; never exported to those who use the library.
+add_library(rds_flags INTERFACE)
+target_compile_options(rds_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -fno-omit-frame-pointer)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  target_compile_options(rds_flags INTERFACE -fpch-preprocess)  # lets ccache see through precompiled headers
+  # False alarms in g++ 12's own AVX-512 headers (GCC bug 105593), met through Eigen with -march=native.
+  target_compile_options(rds_flags INTERFACE -Wno-maybe-uninitialized)
+endif()
+if(RDS_WERROR)
+  target_compile_options(rds_flags INTERFACE -Werror)
+endif()
+if(RDS_NATIVE)
+  include(CheckCXXCompilerFlag)
+  check_cxx_compiler_flag(-march=native RDS_HAS_MARCH_NATIVE)
+  if(RDS_HAS_MARCH_NATIVE)
+    target_compile_options(rds_flags INTERFACE -march=native)
+  endif()
+endif()
+if(RDS_SANITIZE)
+  target_compile_options(rds_flags INTERFACE -fsanitize=${RDS_SANITIZE} -fno-sanitize-recover=all)
+  target_link_options(rds_flags INTERFACE -fsanitize=${RDS_SANITIZE})
+endif()
+
+# Only the libraries that are used are loaded when the program starts, and symbols are bound when first called.
+add_link_options(-Wl,--as-needed)
+find_program(RDS_LINKER NAMES mold ld.lld)
+if(RDS_LINKER MATCHES "mold$" AND CMAKE_CXX_COMPILER_VERSION VERSION_GREATER_EQUAL 12)
+  add_link_options(-fuse-ld=mold)
+elseif(RDS_LINKER MATCHES "lld$")
+  add_link_options(-fuse-ld=lld)
+endif()
