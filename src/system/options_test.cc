@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <iterator>
 #include <set>
 
 #include "base/error.h"
@@ -43,17 +45,20 @@ TEST(Options, EveryEntryIsExplained) {
   }
 }
 
+// Else a group would be printed twice, which YAML forbids.
 TEST(Options, KeysOfAGroupStandTogether) {
   Options options;
-  std::set<std::string> seen;
-  std::string group;
+  std::set<std::string> closed;
+  std::set<std::string> open;
   const OptionTable table = BindOptions(options);
   for (const OptionEntry& entry : table.entries()) {
-    const std::string entry_group = entry.key.substr(0, entry.key.find('.'));
-    if (entry_group != group) {
-      EXPECT_TRUE(seen.insert(entry_group).second) << entry.key;
-      group = entry_group;
+    std::set<std::string> groups;
+    for (std::size_t dot = entry.key.find('.'); dot != std::string::npos; dot = entry.key.find('.', dot + 1)) {
+      groups.insert(entry.key.substr(0, dot));
+      EXPECT_FALSE(closed.contains(entry.key.substr(0, dot))) << entry.key;
     }
+    std::set_difference(open.begin(), open.end(), groups.begin(), groups.end(), std::inserter(closed, closed.end()));
+    open = groups;
   }
 }
 
