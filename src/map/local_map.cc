@@ -1,0 +1,108 @@
+#include "map/local_map.h"
+
+#include <algorithm>
+
+#include "base/error.h"
+
+namespace rds {
+namespace {
+
+// Ids around `centre`, ascending.
+std::vector<KeyframeId> SelectKeyframes(const Map& map, KeyframeId centre, const LocalMapOptions& options) {
+  const auto most = static_cast<std::size_t>(options.keyframes);
+  std::vector<KeyframeId> chosen = {centre};
+  std::vector<bool> taken(map.newest().index() + 1, false);
+  taken[centre.index()] = true;
+  const auto take = [&](KeyframeId id) {
+    if (id.valid() && chosen.size() < most && !taken[id.index()]) {
+      taken[id.index()] = true;
+      chosen.push_back(id);
+    }
+  };
+  for (const Covisible& edge : map.At(centre).covisible) {
+    take(edge.keyframe);
+  }
+  const std::size_t direct = chosen.size();
+  for (std::size_t i = 0; i < direct && chosen.size() < most; ++i) {
+    const Keyframe& keyframe = map.At(chosen[i]);
+    for (const KeyframeId neighbour : map.BestCovisible(keyframe.id, static_cast<std::size_t>(options.neighbours))) {
+      take(neighbour);
+    }
+    take(keyframe.parent);
+    for (const KeyframeId child : keyframe.children) {
+      take(child);
+    }
+  }
+  std::ranges::sort(chosen);
+  return chosen;
+}
+
+void AppendPoint(const MapPoint& point, LocalMap* local) {
+  local->ids.push_back(point.id);
+  local->x.push_back(static_cast<float>(point.position.x()));
+  local->y.push_back(static_cast<float>(point.position.y()));
+  local->z.push_back(static_cast<float>(point.position.z()));
+  local->normal_x.push_back(static_cast<float>(point.normal.x()));
+  local->normal_y.push_back(static_cast<float>(point.normal.y()));
+  local->normal_z.push_back(static_cast<float>(point.normal.z()));
+  local->min_distance_m.push_back(point.min_distance_m);
+  local->max_distance_m.push_back(point.max_distance_m);
+  local->descriptors.push_back(point.descriptor);
+}
+
+}  // namespace
+
+std::shared_ptr<const LocalMap> BuildLocalMap(const Map& map, KeyframeId centre, const LocalMapOptions& options) {
+  auto local = std::make_shared<LocalMap>();
+  const std::vector<KeyframeId> chosen = SelectKeyframes(map, centre, options);
+  std::vector<PointId> ids;
+  for (const KeyframeId id : chosen) {
+    for (const PointId point : map.At(id).points) {
+      if (point.valid()) {
+        ids.push_back(point);
+      }
+    }
+  }
+  std::ranges::sort(ids);
+  const auto rest = std::ranges::unique(ids);
+  ids.erase(rest.begin(), rest.end());
+  for (const PointId id : ids) {
+    AppendPoint(map.At(id), local.get());
+  }
+  const std::size_t enough_sightings = map.keyframes().size() <= 2 ? 2 : 3;
+  for (const KeyframeId id : chosen) {
+    const Keyframe& keyframe = map.At(id);
+    LocalKeyframe copy{id, keyframe.frame, keyframe.camera_from_world, keyframe.data, {}, 0};
+    for (std::size_t i = 0; i < keyframe.points.size(); ++i) {
+      if (keyframe.points[i].valid()) {
+        const auto place = std::ranges::lower_bound(ids, keyframe.points[i]) - ids.begin();
+        copy.links.push_back({static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(place)});
+        copy.tracked_points += map.At(keyframe.points[i]).sightings.size() >= enough_sightings ? 1 : 0;
+      }
+    }
+    local->keyframes.push_back(std::move(copy));
+  }
+  local->replaced = map.RecentReplacements();
+  local->keyframes_in_map = static_cast<int>(map.keyframes().size());
+  local->points_in_map = static_cast<int>(map.point_count());
+  return local;
+}
+
+std::optional<std::uint32_t> LocalMap::IndexOf(PointId id) const {
+  const auto place = std::ranges::lower_bound(ids, id);
+  if (place != ids.end() && *place == id) {
+    return static_cast<std::uint32_t>(place - ids.begin());
+  }
+  const auto substitute = std::ranges::lower_bound(replaced, id, {}, &std::pair<PointId, PointId>::first);
+  if (substitute != replaced.end() && substitute->first == id) {
+    return IndexOf(substitute->second);
+  }
+  return std::nullopt;
+}
+
+const LocalKeyframe* LocalMap::Find(KeyframeId id) const {
+  const auto place = std::ranges::lower_bound(keyframes, id, {}, &LocalKeyframe::id);
+  return place != keyframes.end() && place->id == id ? &*place : nullptr;
+}
+
+}  // namespace rds

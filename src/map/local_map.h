@@ -1,0 +1,62 @@
+// The part of the map that tracking reads: an immutable snapshot.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "map/map.h"
+
+namespace rds {
+
+struct LocalMapOptions {
+  int keyframes = 80;      // at most, in a snapshot
+  int neighbours = 10;     // best covisible keyframes that each covisible keyframe brings along
+};
+
+// A keyframe as tracking sees it.
+struct LocalKeyframe {
+  struct Link {
+    std::uint32_t keypoint = 0;
+    std::uint32_t point = 0;  // index into LocalMap's point arrays
+  };
+  KeyframeId id;
+  FrameId frame;
+  Rigid3 camera_from_world;
+  std::shared_ptr<const FrameData> data;
+  std::vector<Link> links;  // ascending by keypoint
+  int tracked_points = 0;   // points seen by enough keyframes to count as tracked (keyframe policy)
+};
+
+// Points around the newest keyframe as structure of arrays, ascending by id, and the keyframes that see them. World
+// frame, metres. Never changed after BuildLocalMap: any thread may read it.
+struct LocalMap {
+  std::vector<PointId> ids;
+  std::vector<float> x, y, z;                    // position
+  std::vector<float> normal_x, normal_y, normal_z;  // mean viewing direction, unit
+  std::vector<float> min_distance_m, max_distance_m;
+  std::vector<Descriptor> descriptors;
+  std::vector<LocalKeyframe> keyframes;                // ascending by id
+  std::vector<std::pair<PointId, PointId>> replaced;  // recently fused ids and what they became, ascending
+  int keyframes_in_map = 0;
+  int points_in_map = 0;
+
+  [[nodiscard]] std::size_t size() const { return ids.size(); }
+  [[nodiscard]] Eigen::Vector3d Position(std::size_t i) const {
+    return {static_cast<double>(x[i]), static_cast<double>(y[i]), static_cast<double>(z[i])};
+  }
+  // Index of a point, fusions followed; nothing if it is not in this snapshot.
+  [[nodiscard]] std::optional<std::uint32_t> IndexOf(PointId id) const;
+  // Null if it is not in this snapshot.
+  [[nodiscard]] const LocalKeyframe* Find(KeyframeId id) const;
+};
+
+// Copies the surroundings of `centre`: itself, its covisible keyframes, their best neighbours, parents and children, and
+// all their points. The map must hold `centre`.
+[[nodiscard]] std::shared_ptr<const LocalMap> BuildLocalMap(const Map& map, KeyframeId centre,
+                                                            const LocalMapOptions& options);
+
+}  // namespace rds

@@ -1,0 +1,101 @@
+// The map: keyframes, points, covisibility graph and spanning tree.
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "map/keyframe.h"
+#include "map/map_point.h"
+
+namespace rds {
+
+// Containers by id with the operations that keep both sides of every link true. Not thread-safe: it lives behind
+// Guarded<Map>. Every loop over it runs in order of ids, so that the same input gives the same map.
+class Map {
+ public:
+  explicit Map(const ScalePyramid& pyramid) : pyramid_(pyramid) {}
+
+  [[nodiscard]] const ScalePyramid& pyramid() const { return pyramid_; }
+
+  // Null if there is no such keyframe or point (any more).
+  [[nodiscard]] Keyframe* Find(KeyframeId id);
+  [[nodiscard]] const Keyframe* Find(KeyframeId id) const;
+  [[nodiscard]] MapPoint* Find(PointId id);
+  [[nodiscard]] const MapPoint* Find(PointId id) const;
+  // Throw InvariantError where Find would return null.
+  [[nodiscard]] Keyframe& At(KeyframeId id);
+  [[nodiscard]] const Keyframe& At(KeyframeId id) const;
+  [[nodiscard]] MapPoint& At(PointId id);
+  [[nodiscard]] const MapPoint& At(PointId id) const;
+
+  // The living ones, ascending.
+  [[nodiscard]] const std::vector<KeyframeId>& keyframes() const { return keyframe_ids_; }
+  [[nodiscard]] std::vector<PointId> Points() const;
+  [[nodiscard]] std::size_t point_count() const { return point_count_; }
+  [[nodiscard]] KeyframeId newest() const { return keyframe_ids_.empty() ? KeyframeId{} : keyframe_ids_.back(); }
+
+  // Adds a keyframe without points and edges; id given here.
+  Keyframe& AddKeyframe(FrameId frame, double timestamp_s, const Rigid3& camera_from_world,
+                        std::shared_ptr<const FrameData> data);
+  // Adds a point seen first by keypoint `keypoint` of `keyframe`.
+  MapPoint& AddPoint(const Eigen::Vector3d& position, KeyframeId keyframe, std::uint32_t keypoint);
+
+  // Links both sides. False (and nothing done) if the keypoint has a point or the keyframe sees the point already.
+  bool AddSighting(PointId point, KeyframeId keyframe, std::uint32_t keypoint);
+  // Unlinks both sides; a point left without sightings is erased.
+  void RemoveSighting(PointId point, KeyframeId keyframe);
+  void ErasePoint(PointId point);
+  // Moves the sightings of `from` to `to` where `to` is not seen yet, and erases `from`, of which ReplacedBy then tells.
+  void Fuse(PointId from, PointId to);
+  // The living point that took the place of an id, following fusions: the id itself if it lives, invalid if it is gone.
+  [[nodiscard]] PointId Resolve(PointId id) const;
+  // The latest fusions (at most kRecent) as (from, what it is now), ascending by `from`.
+  [[nodiscard]] std::vector<std::pair<PointId, PointId>> RecentReplacements() const;
+
+  // Recomputes descriptor, normal and distance range of a point from its sightings.
+  void UpdateAppearance(PointId point);
+  // Recomputes normal and distance range only (after a move).
+  void UpdateNormal(PointId point);
+  // Recomputes the covisibility edges of a keyframe (edges from kMinShared points on, else the single best one) and
+  // gives it a parent if it has none.
+  void UpdateCovisibility(KeyframeId keyframe);
+  // The `count` keyframes with most shared points, best first.
+  [[nodiscard]] std::vector<KeyframeId> BestCovisible(KeyframeId keyframe, std::size_t count) const;
+
+  void SetPose(KeyframeId keyframe, const Rigid3& camera_from_world);
+
+  // Erases a keyframe (never the root): its children go to the most covisible candidate parent, and frames that hang
+  // on it hang on its parent from now on.
+  void EraseKeyframe(KeyframeId keyframe);
+
+  // Pose of a keyframe, of an erased one too (through its parent). Throws InvariantError for an id never given.
+  [[nodiscard]] Rigid3 CameraFromWorld(KeyframeId id) const;
+
+  static constexpr int kMinShared = 15;
+  static constexpr std::size_t kRecent = 2000;
+
+ private:
+  struct Erased {  // what remains of an erased keyframe
+    KeyframeId parent;
+    Rigid3 self_from_parent;
+  };
+
+  void SetEdge(Keyframe& keyframe, KeyframeId other, int shared_points);
+  void RemoveEdge(Keyframe& keyframe, KeyframeId other);
+  void AdoptChildren(Keyframe& erased);
+
+  ScalePyramid pyramid_;
+  std::vector<std::unique_ptr<Keyframe>> keyframes_;  // by id; null = erased
+  std::vector<std::optional<Erased>> erased_;         // by id
+  std::vector<KeyframeId> keyframe_ids_;
+  std::vector<std::unique_ptr<MapPoint>> points_;  // by id; null = erased
+  std::vector<PointId> replaced_by_;               // by id; invalid = not fused
+  std::deque<PointId> recently_fused_;             // the newest kRecent
+  std::size_t point_count_ = 0;
+};
+
+}  // namespace rds
