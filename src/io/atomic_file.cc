@@ -1,0 +1,148 @@
+#include "io/atomic_file.h"
+
+#include <fcntl.h>
+#include <spdlog/fmt/fmt.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <cstring>
+#include <utility>
+#include <vector>
+
+#include "base/error.h"
+
+namespace rds {
+namespace {
+
+namespace fs = std::filesystem;
+
+InputError WriteError(const fs::path& path, int error) {
+  std::string message = path.string() + ": cannot be written: " + std::strerror(error);
+  if (error == ENOSPC || error == EDQUOT) {
+    message += "; make room or choose another place";
+  }
+  return InputError(message);
+}
+
+// Writes and closes; the number of the system's error, or 0.
+int WriteAll(int file, std::string_view text, bool sync) {
+  int error = 0;
+  while (!text.empty() && error == 0) {
+    const ssize_t count = write(file, text.data(), text.size());
+    if (count >= 0) {
+      text.remove_prefix(static_cast<std::size_t>(count));
+    } else if (errno != EINTR) {
+      error = errno;
+    }
+  }
+  if (error == 0 && sync && fsync(file) != 0) {
+    error = errno;
+  }
+  if (close(file) != 0 && error == 0) {
+    error = errno;
+  }
+  return error;
+}
+
+// A file beside its target that disappears unless renamed. Not thread-safe.
+class TemporaryFile {
+ public:
+  explicit TemporaryFile(const fs::path& target) : target_(target) {
+    static std::atomic<unsigned> counter = 0;
+    path_ = target.parent_path() / fmt::format(".{}.{}-{}", target.filename().string(), getpid(), counter++);
+  }
+  TemporaryFile(TemporaryFile&& other) noexcept
+      : target_(std::move(other.target_)),
+        path_(std::move(other.path_)),
+        exists_(std::exchange(other.exists_, false)) {}
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
+  ~TemporaryFile() {
+    if (exists_) {
+      unlink(path_.c_str());
+    }
+  }
+
+  // Both give the number of the system's error, or 0.
+  [[nodiscard]] int Write(std::string_view text) {
+    const int file = open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    exists_ = file >= 0;
+    return exists_ ? WriteAll(file, text, true) : errno;
+  }
+  [[nodiscard]] int Rename() {
+    if (rename(path_.c_str(), target_.c_str()) != 0) {
+      return errno;
+    }
+    exists_ = false;
+    return 0;
+  }
+
+  [[nodiscard]] const fs::path& target() const { return target_; }
+
+ private:
+  fs::path target_;
+  fs::path path_;
+  bool exists_ = false;
+};
+
+// For /dev/stdout and the like, which must not be replaced by a file.
+void WriteStraight(const fs::path& path, std::string_view text) {
+  const int file = open(path.c_str(), O_WRONLY | O_CLOEXEC);
+  const int error = file < 0 ? errno : WriteAll(file, text, false);
+  if (error != 0) {
+    throw WriteError(path, error);
+  }
+}
+
+}  // namespace
+
+void WriteFilesAtomically(std::span<const OutputFile> files) {
+  std::vector<TemporaryFile> temporary;
+  std::vector<const OutputFile*> straight;
+  for (const OutputFile& file : files) {
+    std::error_code ignored;
+    const fs::file_status status = fs::status(file.path, ignored);
+    if (fs::is_directory(status)) {
+      throw WriteError(file.path, EISDIR);
+    }
+    if (fs::exists(status) && !fs::is_regular_file(status)) {
+      straight.push_back(&file);
+      continue;
+    }
+    // A link stays a link: what it points to is replaced.
+    const fs::path target =
+        fs::is_symlink(fs::symlink_status(file.path, ignored)) ? fs::weakly_canonical(file.path) : file.path;
+    if (const int error = temporary.emplace_back(target).Write(file.text); error != 0) {
+      throw WriteError(file.path, error);
+    }
+  }
+  for (const OutputFile* file : straight) {
+    WriteStraight(file->path, file->text);
+  }
+  for (TemporaryFile& file : temporary) {
+    if (const int error = file.Rename(); error != 0) {
+      throw WriteError(file.target(), error);
+    }
+  }
+}
+
+void WriteFileAtomically(const fs::path& path, std::string_view text) {
+  const OutputFile file{path, std::string(text)};
+  WriteFilesAtomically({&file, 1});
+}
+
+void PrepareOutputFolder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  std::error_code ignored;
+  if (!fs::is_directory(folder, ignored)) {
+    throw InputError(
+        fmt::format("{}: output folder cannot be made: {}", folder.string(), error ? error.message() : "not a folder"));
+  }
+  if (const int reason = TemporaryFile(folder / "probe").Write(std::string(4096, '\n')); reason != 0) {
+    throw InputError(folder.string() + ": output folder cannot be written in: " + std::strerror(reason));
+  }
+}
+
+}  // namespace rds

@@ -1,0 +1,84 @@
+// RGB-D sequences in the folder layout of the TUM and Bonn benchmarks.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/image.h"
+#include "geometry/camera.h"
+#include "geometry/trajectory.h"
+#include "system/frame.h"
+
+namespace rds {
+
+// Frames [begin, end) of a sequence, counted from 0 after association; `end` absent means the last one.
+struct FrameRange {
+  std::size_t begin = 0;
+  std::optional<std::size_t> end;
+};
+
+// Reads "A:B", "A:", ":B" or ":". InputError with the forms for anything else, and where A is not below B.
+FrameRange ParseFrameRange(const std::string& text);
+
+struct DatasetOptions {
+  double max_difference_s = 0.02;  // between the times of a colour image and its depth image (or its mask)
+  FrameRange frames;
+};
+
+// One entry of the index: where the images of a frame lie. Times in seconds.
+struct DatasetFrame {
+  double timestamp_s = 0;  // of the colour image: the frame's
+  double depth_timestamp_s = 0;
+  std::filesystem::path color_path;
+  std::filesystem::path depth_path;
+  std::filesystem::path mask_path;  // empty where there is none
+};
+
+// A folder with rgb.txt and depth.txt, or associations.txt (also associate.txt); groundtruth.txt and mask.txt if there.
+// Without an association file every colour image gets the depth image that is nearest in time: pairs are taken in order
+// of their difference, up to the limit, each image at most once. Colour images without a partner are left out and
+// counted. The index is read and checked when opened (each listed image must be there); images are read on demand.
+// Immutable once opened: any number of threads may load frames at once.
+class Dataset {
+ public:
+  // InputError, naming file and line, for a missing folder or list, an empty list, a malformed row, timestamps that do
+  // not increase, a listed image that is not there, broken ground truth, a range beyond the sequence, no pair at all.
+  static Dataset Open(const std::filesystem::path& folder, const DatasetOptions& options = {});
+
+  [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
+  // The folder's own name, for reports.
+  [[nodiscard]] std::string Name() const;
+  [[nodiscard]] std::size_t size() const { return frames_.size(); }
+  [[nodiscard]] const std::vector<DatasetFrame>& frames() const { return frames_; }
+  [[nodiscard]] const std::optional<Trajectory>& ground_truth() const { return ground_truth_; }
+  [[nodiscard]] bool HasMasks() const { return has_masks_; }
+  // Colour images listed, and those left out for want of a depth image; over the whole sequence, whatever the range.
+  [[nodiscard]] std::size_t listed_color_images() const { return listed_color_images_; }
+  [[nodiscard]] std::size_t color_images_without_depth() const { return color_images_without_depth_; }
+
+  // One sentence for the user: how many frames, and how many were left out and why.
+  [[nodiscard]] std::string Summary() const;
+
+  // Both images of a frame, checked against each other and the camera. InputError names the file and what to do.
+  [[nodiscard]] RgbdFrame Load(std::size_t index, const PinholeCamera& camera) const;
+  [[nodiscard]] Image8 LoadColor(std::size_t index) const;  // BGR
+  [[nodiscard]] Image16 LoadDepth(std::size_t index) const;
+  // 255 = dynamic, 0 = not; nullopt where the sequence has none for this frame. InputError if not of `camera`'s size.
+  [[nodiscard]] std::optional<Image8> LoadMask(std::size_t index, const PinholeCamera& camera) const;
+
+ private:
+  std::filesystem::path folder_;
+  DatasetOptions options_;
+  std::vector<DatasetFrame> frames_;
+  std::optional<Trajectory> ground_truth_;
+  bool has_masks_ = false;
+  std::size_t listed_color_images_ = 0;
+  std::size_t color_images_without_depth_ = 0;
+  std::size_t first_frame_ = 0;
+  std::size_t all_frames_ = 0;
+};
+
+}  // namespace rds

@@ -1,0 +1,216 @@
+#include "io/video.h"
+
+#include <spdlog/fmt/fmt.h>
+#include <unistd.h>
+
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/videoio.hpp>
+#include <string>
+#include <system_error>
+#include <utility>
+
+#include "base/error.h"
+#include "runtime/bounded_queue.h"
+#include "runtime/worker.h"
+
+namespace rds {
+namespace {
+
+constexpr std::size_t kQueueCapacity = 30;
+
+// A hidden name beside `file` that keeps its extension, by which OpenCV knows the format.
+std::filesystem::path TemporaryName(const std::filesystem::path& file) {
+  return file.parent_path() / fmt::format(".{}.{}{}", file.stem().string(), getpid(), file.extension().string());
+}
+
+void CheckExtension(const std::filesystem::path& file, const std::string& wanted) {
+  if (file.extension() != wanted) {
+    throw InputError(fmt::format("{}: expected a name that ends in {}", file.string(), wanted));
+  }
+}
+
+// A file that is removed unless it is moved into place.
+class PendingFile {
+ public:
+  explicit PendingFile(std::filesystem::path file) : file_(std::move(file)), temporary_(TemporaryName(file_)) {}
+  ~PendingFile() {
+    std::error_code ignored;
+    std::filesystem::remove(temporary_, ignored);
+  }
+  PendingFile(const PendingFile&) = delete;
+  PendingFile& operator=(const PendingFile&) = delete;
+
+  [[nodiscard]] const std::filesystem::path& file() const { return file_; }
+  [[nodiscard]] std::string temporary() const { return temporary_.string(); }
+
+  void Commit() {
+    std::error_code error;
+    std::filesystem::rename(temporary_, file_, error);
+    if (error) {
+      throw InputError(fmt::format("{}: cannot be written: {}", file_.string(), error.message()));
+    }
+  }
+
+ private:
+  std::filesystem::path file_;
+  std::filesystem::path temporary_;
+};
+
+cv::Mat View(const Image8& image) {
+  return {image.height, image.width, CV_8UC3, const_cast<std::uint8_t*>(image.data.data())};
+}
+
+// An MPEG-4 file under way.
+class VideoFile {
+ public:
+  VideoFile(const std::filesystem::path& file, double frames_per_s, cv::Size size) : pending_(file) {
+    CheckExtension(file, ".mp4");
+    const bool opened =
+        writer_.open(pending_.temporary(), cv::VideoWriter::fourcc('m', 'p', '4', 'v'), frames_per_s, size);
+    if (!opened) {
+      throw InputError(
+          fmt::format("{}: cannot be written as video: is the folder there and writable, and OpenCV built with FFmpeg?",
+                      file.string()));
+    }
+  }
+
+  void Write(const Image8& picture) {
+    writer_.write(View(picture));
+    ++frames_;
+  }
+
+  // OpenCV does not report write errors, so the file is read back.
+  void Finish() {
+    writer_.release();
+    cv::VideoCapture written(pending_.temporary());
+    if (frames_ > 0 && (!written.isOpened() || written.get(cv::CAP_PROP_FRAME_COUNT) < frames_)) {
+      throw InputError(fmt::format("{}: the video is incomplete; is the disk full?", pending_.file().string()));
+    }
+    pending_.Commit();
+  }
+
+ private:
+  PendingFile pending_;
+  cv::VideoWriter writer_;
+  int frames_ = 0;
+};
+
+void WriteStill(const std::filesystem::path& file, const Image8& picture) {
+  PendingFile pending(file);
+  bool written = false;
+  try {
+    written = cv::imwrite(pending.temporary(), View(picture));
+  } catch (const cv::Exception&) {  // reported below
+  }
+  if (!written) {
+    throw InputError(
+        fmt::format("{}: cannot be written; is the folder there, writable and the disk not full?", file.string()));
+  }
+  pending.Commit();
+}
+
+}  // namespace
+
+class VideoRecorder::Impl {
+ public:
+  Impl(const VideoOptions& options, int image_width, int image_height) : options_(options) {
+    if (options.video) {
+      const cv::Size size(RunView::Width(image_width, image_height), RunView::Height(image_height));
+      video_ = std::make_unique<VideoFile>(*options.video, options.frames_per_s, size);
+    }
+    if (options.still) {
+      CheckExtension(*options.still, ".png");
+      WriteStill(TemporaryName(*options.still), Image8(8, 8, 3));  // fails now rather than at the end
+      std::filesystem::remove(TemporaryName(*options.still));
+    }
+    worker_ = std::make_unique<Worker>([this] { Work(); });
+  }
+
+  ~Impl() { queue_.Close(); }
+
+  [[nodiscard]] bool Wants(FrameId frame) const {
+    return options_.video.has_value() || !options_.still_frame || frame <= *options_.still_frame;
+  }
+
+  void Add(RunViewContent content) {
+    if (!Wants(content.result.frame)) {
+      return;
+    }
+    const bool wait = options_.wait || options_.still_frame == content.result.frame;
+    Item item{std::move(content), std::exchange(skipped_, 0)};
+    const int skipped = item.skipped_before;
+    if (!(wait ? queue_.Push(std::move(item)) : queue_.TryPush(std::move(item)))) {
+      skipped_ = skipped + 1;
+      ++left_out_;
+    }
+  }
+
+  void Finish() {
+    queue_.Close();
+    worker_->Join();
+    if (options_.still && !still_.empty()) {
+      WriteStill(*options_.still, still_);
+    } else if (options_.still) {
+      throw InputError(fmt::format("{}: no picture, because the run did not reach frame {}", options_.still->string(),
+                                   options_.still_frame ? options_.still_frame->value : 0));
+    }
+    if (video_ != nullptr) {
+      video_->Finish();
+    }
+  }
+
+  [[nodiscard]] int left_out() const { return left_out_; }
+
+ private:
+  struct Item {
+    RunViewContent content;
+    int skipped_before = 0;
+  };
+
+  // The worker's function. An error closes the queue, so that Add does not wait for ever, and is thrown by Finish.
+  void Work() {
+    try {
+      DrawAll();
+    } catch (...) {
+      queue_.Close();
+      throw;
+    }
+  }
+
+  void DrawAll() {
+    Image8 picture;
+    while (std::optional<Item> item = queue_.Pop()) {
+      for (int i = 0; i < item->skipped_before && video_ != nullptr && !picture.empty(); ++i) {
+        video_->Write(picture);
+      }
+      picture = view_.Draw(item->content);
+      if (video_ != nullptr) {
+        video_->Write(picture);
+      }
+      if (options_.still && (!options_.still_frame || *options_.still_frame == item->content.result.frame)) {
+        still_ = picture;
+      }
+    }
+  }
+
+  const VideoOptions options_;
+  int skipped_ = 0;  // since the last frame that was queued
+  int left_out_ = 0;
+  BoundedQueue<Item> queue_{kQueueCapacity};
+  // Used by the worker until it is joined.
+  RunView view_;
+  std::unique_ptr<VideoFile> video_;
+  Image8 still_;
+  std::unique_ptr<Worker> worker_;  // last, so that it is joined before what it uses is destroyed
+};
+
+VideoRecorder::VideoRecorder(const VideoOptions& options, int image_width, int image_height)
+    : impl_(std::make_unique<Impl>(options, image_width, image_height)) {}
+VideoRecorder::~VideoRecorder() = default;
+bool VideoRecorder::Wants(FrameId frame) const { return impl_->Wants(frame); }
+void VideoRecorder::Add(RunViewContent content) { impl_->Add(std::move(content)); }
+void VideoRecorder::Finish() { impl_->Finish(); }
+int VideoRecorder::left_out() const { return impl_->left_out(); }
+
+}  // namespace rds
