@@ -1,0 +1,47 @@
+#include "tracking/data_association.h"
+
+#include <algorithm>
+
+namespace rds {
+
+Association SelectMatches(std::span<const PointMatch> matches, const LocalMap& map,
+                          const MovingProbabilities& probabilities, const AssociationOptions& options) {
+  Association result;
+  if (!options.use_semantics) {
+    result.used.assign(matches.begin(), matches.end());
+    return result;
+  }
+  std::vector<PointMatch> unknown;
+  for (PointMatch match : matches) {
+    const double p = probabilities.Get(map.ids[match.point]);
+    match.state = StateOf(p, options.probability);
+    match.weight = 1.0 - p;
+    switch (match.state) {
+      case PointState::kStatic:
+        result.used.push_back(match);
+        break;
+      case PointState::kUnknown:
+        unknown.push_back(match);
+        break;
+      case PointState::kDynamic:
+        result.dynamic.push_back(match);
+        break;
+    }
+  }
+  result.static_count = static_cast<int>(result.used.size());
+  if (result.static_count < options.tau || options.unknown == UnknownPoints::kSupport) {
+    result.used.insert(result.used.end(), unknown.begin(), unknown.end());
+  } else {
+    result.set_aside = std::move(unknown);
+  }
+  double most = 0;
+  for (const PointMatch& match : result.used) {
+    most = std::max(most, match.weight);
+  }
+  for (PointMatch& match : result.used) {
+    match.weight /= most;
+  }
+  return result;
+}
+
+}  // namespace rds

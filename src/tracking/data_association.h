@@ -1,0 +1,45 @@
+// Which matches a pose may stand on: the paper's Algorithm 2.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "map/local_map.h"
+#include "semantic/moving_probability.h"
+
+namespace rds {
+
+enum class UnknownPoints : std::uint8_t {
+  kPaper,    // used only while fewer than tau static ones are there
+  kSupport,  // always used, with the weight 1 - p that lets static ones lead
+};
+
+struct AssociationOptions {
+  bool use_semantics = true;  // false: every match is used, as if no point had a label
+  int tau = 20;               // static matches that are enough
+  UnknownPoints unknown = UnknownPoints::kSupport;
+  MovingProbabilityOptions probability;
+};
+
+// A keypoint of the current frame and the point of the local map that it shows.
+struct PointMatch {
+  std::uint32_t keypoint = 0;
+  std::uint32_t point = 0;  // index into LocalMap
+  PointState state = PointState::kUnknown;
+  double weight = 1;  // 1 - p, scaled so that the best match that is used has weight 1
+};
+
+// Outcome of Algorithm 2. `used` holds static matches before unknown ones.
+struct Association {
+  std::vector<PointMatch> used;
+  std::vector<PointMatch> set_aside;  // unknown ones not needed
+  std::vector<PointMatch> dynamic;    // never used
+  int static_count = 0;               // how many of `used` are static
+};
+
+// Classifies matches by the probabilities of this moment and selects the ones to use. Re-entrant.
+[[nodiscard]] Association SelectMatches(std::span<const PointMatch> matches, const LocalMap& map,
+                                        const MovingProbabilities& probabilities, const AssociationOptions& options);
+
+}  // namespace rds

@@ -1,0 +1,32 @@
+#include "tracking/keyframe_policy.h"
+
+namespace rds {
+namespace {
+
+// Section II-A1 of the paper; "at least 50 points and under 90 % of the reference keyframe's".
+bool PaperRule(const KeyframeSituation& s, const KeyframePolicyOptions& o) {
+  return s.frames_since_keyframe >= o.paper_frames && s.frames_since_regained >= o.paper_frames && s.mapping_idle &&
+         s.inliers >= o.paper_points && s.inliers < o.paper_ratio * s.reference_tracked_points;
+}
+
+// ORB-SLAM3's conditions for RGB-D: a reason of time or need, and a view that has changed.
+bool OrbSlam3Rule(const KeyframeSituation& s, const KeyframePolicyOptions& o) {
+  const bool few_close = s.close_tracked < o.close_tracked && s.close_untracked > o.close_untracked;
+  const bool weak = s.inliers < o.weak_ratio * s.reference_tracked_points || few_close;
+  const bool due = s.frames_since_keyframe >= o.max_frames || (s.mapping_idle && s.frames_since_keyframe >= o.min_frames);
+  const bool new_view = s.inliers < o.tracked_ratio * s.reference_tracked_points || few_close;
+  return (due || weak) && new_view && s.inliers > o.min_inliers;
+}
+
+}  // namespace
+
+bool WantsKeyframe(const KeyframeSituation& s, const KeyframePolicyOptions& o) {
+  // A segmenter with nothing to do is a label lost: the fresher the keyframe it gets, the shorter the semantic delay.
+  if (o.semantic_frames > 0 && s.segmenter_idle && s.frames_since_keyframe >= o.semantic_frames &&
+      s.inliers > o.min_inliers) {
+    return true;
+  }
+  return o.rule == KeyframeRule::kPaper ? PaperRule(s, o) : OrbSlam3Rule(s, o);
+}
+
+}  // namespace rds

@@ -1,0 +1,139 @@
+#include "tracking/projection_search.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "feature/matching.h"
+
+namespace rds {
+namespace {
+
+constexpr float kMinCosine = 0.5F;       // of the angle between viewing ray and normal
+constexpr float kStraightCosine = 0.998F;
+constexpr float kStraightWindow = 2.5F / 3.0F;  // seen from nearly the same direction: a narrower window does
+constexpr float kObliqueWindow = 4.0F / 3.0F;
+
+std::vector<PointMatch> ToPointMatches(const std::vector<Match>& matches) {
+  std::vector<PointMatch> result;
+  result.reserve(matches.size());
+  for (const Match& match : matches) {
+    result.push_back({match.keypoint, match.query, PointState::kUnknown, 1.0});
+  }
+  return result;
+}
+
+// Projections of all points of a local map; one entry a point.
+struct Projections {
+  std::vector<float> u, v, inverse_depth, distance2, cosine;
+};
+
+Projections ProjectAll(const LocalMap& map, const PinholeCamera& camera, const Rigid3& camera_from_world) {
+  const std::size_t n = map.size();
+  Projections out;
+  out.u.resize(n);
+  out.v.resize(n);
+  out.inverse_depth.resize(n);
+  out.distance2.resize(n);
+  out.cosine.resize(n);
+  const Eigen::Matrix3f r = camera_from_world.RotationMatrix().cast<float>();
+  const Eigen::Vector3f t = camera_from_world.translation.cast<float>();
+  const Eigen::Vector3f c = camera_from_world.Inverse().translation.cast<float>();
+  const auto fx = static_cast<float>(camera.fx);
+  const auto fy = static_cast<float>(camera.fy);
+  const auto cx = static_cast<float>(camera.cx);
+  const auto cy = static_cast<float>(camera.cy);
+  // Plain arrays and no branches: the compiler turns this into vector code.
+  for (std::size_t i = 0; i < n; ++i) {
+    const float x = map.x[i];
+    const float y = map.y[i];
+    const float z = map.z[i];
+    const float camera_x = r(0, 0) * x + r(0, 1) * y + r(0, 2) * z + t.x();
+    const float camera_y = r(1, 0) * x + r(1, 1) * y + r(1, 2) * z + t.y();
+    const float camera_z = r(2, 0) * x + r(2, 1) * y + r(2, 2) * z + t.z();
+    const float inverse = 1.0F / camera_z;
+    out.inverse_depth[i] = inverse;
+    out.u[i] = fx * camera_x * inverse + cx;
+    out.v[i] = fy * camera_y * inverse + cy;
+    const float dx = x - c.x();
+    const float dy = y - c.y();
+    const float dz = z - c.z();
+    const float distance2 = dx * dx + dy * dy + dz * dz;
+    out.distance2[i] = distance2;
+    out.cosine[i] =
+        (dx * map.normal_x[i] + dy * map.normal_y[i] + dz * map.normal_z[i]) / std::sqrt(distance2 + 1e-12F);
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<PointMatch> SearchLastFrame(const FrameData& last, std::span<const LastSighting> sightings,
+                                        const FrameData& current, const Rigid3& camera_from_world,
+                                        const LocalMap& map, const ScalePyramid& pyramid, double window_px) {
+  const PinholeCamera& camera = current.camera();
+  const Eigen::Matrix3d rotation = camera_from_world.RotationMatrix();
+  MatchSet set(current.size());
+  std::vector<float> angles(map.size(), 0.0F);
+  for (const LastSighting& sighting : sightings) {
+    const Eigen::Vector3d point = rotation * map.Position(sighting.point) + camera_from_world.translation;
+    if (point.z() <= 0) {
+      continue;
+    }
+    const Eigen::Vector2d pixel = camera.Project(point);
+    const auto x = static_cast<float>(pixel.x());
+    const auto y = static_cast<float>(pixel.y());
+    if (!current.IsInImage(x, y)) {
+      continue;
+    }
+    const Keypoint& keypoint = last.keypoints()[sighting.keypoint];
+    const float radius = static_cast<float>(window_px) * pyramid.scale[keypoint.octave];
+    const float right_x = x - static_cast<float>(camera.Bf() / point.z());
+    const Candidate best =
+        FindBest(current, {x, y, right_x, radius, keypoint.octave - 1, keypoint.octave + 1},
+                 last.descriptors()[sighting.keypoint]);
+    if (best.keypoint >= 0 && best.distance <= kLooseDistance) {
+      angles[sighting.point] = keypoint.angle_deg;
+      set.Add({sighting.point, static_cast<std::uint32_t>(best.keypoint), best.distance});
+    }
+  }
+  std::vector<Match> matches = set.Take();
+  KeepConsistentRotation(current, angles, &matches);
+  return ToPointMatches(matches);
+}
+
+LocalSearch SearchLocalMap(const FrameData& current, const Rigid3& camera_from_world, const LocalMap& map,
+                           const ScalePyramid& pyramid, std::span<const std::uint8_t> taken,
+                           std::span<const std::uint8_t> occupied, double window_px, double ratio) {
+  const PinholeCamera& camera = current.camera();
+  const Projections all = ProjectAll(map, camera, camera_from_world);
+  const auto bf = static_cast<float>(camera.Bf());
+  LocalSearch result;
+  MatchSet set(current.size());
+  for (std::size_t i = 0; i < map.size(); ++i) {
+    if (all.inverse_depth[i] <= 0 || all.cosine[i] < kMinCosine || !current.IsInImage(all.u[i], all.v[i])) {
+      continue;
+    }
+    const float distance = std::sqrt(all.distance2[i]);
+    if (distance < 0.8F * map.min_distance_m[i] || distance > 1.2F * map.max_distance_m[i]) {
+      continue;
+    }
+    result.visible.push_back(static_cast<std::uint32_t>(i));
+    if (taken[i] != 0) {
+      continue;
+    }
+    const int level = pyramid.PredictLevel(static_cast<double>(map.max_distance_m[i]), static_cast<double>(distance));
+    const float radius = static_cast<float>(window_px) * pyramid.scale[static_cast<std::size_t>(level)] *
+                         (all.cosine[i] > kStraightCosine ? kStraightWindow : kObliqueWindow);
+    const Candidate best =
+        FindBest(current, {all.u[i], all.v[i], all.u[i] - bf * all.inverse_depth[i], radius, level - 1, level},
+                 map.descriptors[i]);
+    if (best.keypoint >= 0 && best.distance <= kLooseDistance && best.IsDistinct(ratio) &&
+        occupied[static_cast<std::size_t>(best.keypoint)] == 0) {
+      set.Add({static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(best.keypoint), best.distance});
+    }
+  }
+  result.matches = ToPointMatches(set.Take());
+  return result;
+}
+
+}  // namespace rds

@@ -1,0 +1,86 @@
+#include "tracking/regain.h"
+
+#include <Eigen/Geometry>
+#include <array>
+
+#include "base/random.h"
+#include "feature/matching.h"
+#include "geometry/alignment.h"
+#include "optim/pose_optimizer.h"
+
+namespace rds {
+namespace {
+
+constexpr int kTrials = 200;
+
+int CountAgreeing(const FrameData& current, std::span<const PointMatch> matches, const LocalMap& map,
+                  const ScalePyramid& pyramid, const Rigid3& camera_from_world) {
+  const PinholeCamera& camera = current.camera();
+  const Eigen::Matrix3d rotation = camera_from_world.RotationMatrix();
+  int count = 0;
+  for (const PointMatch& match : matches) {
+    const Keypoint& keypoint = current.keypoints()[match.keypoint];
+    const Eigen::Vector3d point = rotation * map.Position(match.point) + camera_from_world.translation;
+    if (point.z() <= 0) {
+      continue;
+    }
+    const Eigen::Vector2d measured(static_cast<double>(keypoint.x), static_cast<double>(keypoint.y));
+    // Twice the standard deviation: an alignment of three noisy depths is coarse.
+    const double bound = 4.0 * kChi2Mono / pyramid.inverse_sigma2[keypoint.octave];
+    count += (camera.Project(point) - measured).squaredNorm() < bound ? 1 : 0;
+  }
+  return count;
+}
+
+}  // namespace
+
+std::vector<PointMatch> MatchKeyframe(const LocalKeyframe& keyframe, const FrameData& current, double ratio) {
+  std::vector<std::uint32_t> chosen;
+  chosen.reserve(keyframe.links.size());
+  for (const LocalKeyframe::Link& link : keyframe.links) {
+    chosen.push_back(link.keypoint);
+  }
+  std::vector<PointMatch> result;
+  for (const Match& match : MatchDescriptors(*keyframe.data, chosen, current, ratio)) {
+    result.push_back({match.keypoint, keyframe.links[match.query].point, PointState::kUnknown, 1.0});
+  }
+  return result;
+}
+
+std::optional<Rigid3> RansacPose(const FrameData& current, std::span<const PointMatch> matches, const LocalMap& map,
+                                 const ScalePyramid& pyramid, int min_inliers) {
+  std::vector<Eigen::Vector3d> in_camera;
+  std::vector<Eigen::Vector3d> in_world;
+  for (const PointMatch& match : matches) {
+    const Keypoint& keypoint = current.keypoints()[match.keypoint];
+    if (keypoint.HasDepth()) {
+      in_camera.push_back(current.camera().Unproject({static_cast<double>(keypoint.x), static_cast<double>(keypoint.y)},
+                                                     static_cast<double>(keypoint.depth_m)));
+      in_world.push_back(map.Position(match.point));
+    }
+  }
+  if (in_camera.size() < 3) {
+    return std::nullopt;
+  }
+  Random random(1);
+  const auto n = static_cast<std::uint32_t>(in_camera.size());
+  std::optional<Rigid3> best;
+  int most = min_inliers - 1;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    const std::array<std::uint32_t, 3> pick = {random.Index(n), random.Index(n), random.Index(n)};
+    if (pick[0] == pick[1] || pick[1] == pick[2] || pick[0] == pick[2]) {
+      continue;
+    }
+    const std::array<Eigen::Vector3d, 3> from = {in_world[pick[0]], in_world[pick[1]], in_world[pick[2]]};
+    const std::array<Eigen::Vector3d, 3> to = {in_camera[pick[0]], in_camera[pick[1]], in_camera[pick[2]]};
+    const Rigid3 pose = Align(from, to, false).target_from_source;
+    const int agreeing = CountAgreeing(current, matches, map, pyramid, pose);
+    if (agreeing > most) {
+      most = agreeing;
+      best = pose;
+    }
+  }
+  return best;
+}
+
+}  // namespace rds

@@ -1,0 +1,23 @@
+// Finding the camera again from a keyframe, without a motion model.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "map/local_map.h"
+#include "tracking/data_association.h"
+
+namespace rds {
+
+// Matches the keyframe's points to the frame by descriptor alone.
+[[nodiscard]] std::vector<PointMatch> MatchKeyframe(const LocalKeyframe& keyframe, const FrameData& current,
+                                                    double ratio);
+
+// Pose that most matches agree with, from triples of keypoints with depth: RANSAC over 3-D to 3-D alignments, a match
+// agrees if it reprojects within the chi2 bound. Nothing if fewer than `min_inliers` agree. Seeded, so the same input
+// gives the same pose.
+[[nodiscard]] std::optional<Rigid3> RansacPose(const FrameData& current, std::span<const PointMatch> matches,
+                                               const LocalMap& map, const ScalePyramid& pyramid, int min_inliers);
+
+}  // namespace rds

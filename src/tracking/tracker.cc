@@ -1,0 +1,308 @@
+#include "tracking/tracker.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "base/error.h"
+#include "base/time.h"
+#include "tracking/regain.h"
+
+namespace rds {
+
+Tracker::Tracker(const TrackerOptions& options, const PoseOptimizerOptions& pose, const ScalePyramid& pyramid,
+                 const MovingProbabilities& probabilities)
+    : options_(options), pose_options_(pose), pyramid_(pyramid), probabilities_(probabilities) {}
+
+TrackOutcome Tracker::Track(FrameId frame, double timestamp_s, std::shared_ptr<const FrameData> data,
+                            std::shared_ptr<const LocalMap> map, const WorkerStatus& status) {
+  const bool map_changed = map != map_;
+  map_ = std::move(map);
+  if (started_) {
+    last_ = std::move(current_);
+  }
+  current_ = Frame{};
+  current_.id = frame;
+  current_.timestamp_s = timestamp_s;
+  current_.data = std::move(data);
+  current_.points.assign(current_.data->size(), PointId{});
+  association_ = {};
+  outliers_.clear();
+  TrackOutcome outcome;
+  if (map_ == nullptr) {
+    return Start(std::move(outcome));
+  }
+  if (map_changed) {
+    Rebase();
+  }
+  ++frames_since_keyframe_;
+  ++frames_since_regained_;
+  current_.camera_from_world = last_.camera_from_world;
+  current_.reference = last_.reference;
+  regaining_ = !last_.tracked;
+  const bool roughly = last_.tracked
+                           ? TrackLastFrame(&outcome) || TrackReferenceKeyframe(&outcome)
+                           : Regain(&outcome);
+  current_.tracked = roughly && TrackLocalMap(&outcome);
+  if (!current_.tracked) {
+    // The last known pose stays the place to search from; the frame itself has none.
+    current_.camera_from_world = last_.camera_from_world;
+    current_.reference = last_.reference;
+    current_.camera_from_reference = last_.camera_from_reference;
+    std::ranges::fill(current_.points, PointId{});
+    velocity_.reset();
+    return outcome;
+  }
+  if (regaining_) {
+    frames_since_regained_ = 0;
+    velocity_.reset();
+  } else {
+    velocity_ = current_.camera_from_world * last_.camera_from_world.Inverse();
+  }
+  for (const PointMatch& match : association_.used) {
+    current_.points[match.keypoint] = map_->ids[match.point];
+  }
+  ChooseReference(&outcome);
+  outcome.tracked = true;
+  outcome.camera_from_world = current_.camera_from_world;
+  outcome.wants_keyframe = WantsKeyframe(Situation(status), options_.policy);
+  outcome.used = association_.used;
+  outcome.rejected = association_.dynamic;
+  outcome.rejected.insert(outcome.rejected.end(), outliers_.begin(), outliers_.end());
+  return outcome;
+}
+
+TrackOutcome Tracker::Start(TrackOutcome outcome) {
+  const auto with_depth = std::ranges::count_if(current_.data->keypoints(), &Keypoint::HasDepth);
+  started_ = with_depth >= options_.min_start_points;
+  current_.tracked = started_;
+  outcome.tracked = started_;
+  outcome.wants_keyframe = started_;
+  return outcome;
+}
+
+// The last pose as the new snapshot has it: the reference keyframe may have been corrected since.
+void Tracker::Rebase() {
+  if (!last_.reference.valid()) {
+    last_.reference = map_->keyframes.front().id;  // the first frame is the first keyframe
+    last_.camera_from_reference = Rigid3{};
+  }
+  if (const LocalKeyframe* reference = map_->Find(last_.reference)) {
+    last_.camera_from_world = last_.camera_from_reference * reference->camera_from_world;
+  }
+}
+
+int Tracker::OptimizeFrom(std::vector<PointMatch> matches, TrackOutcome* outcome) {
+  const Stopwatch watch;
+  association_ = SelectMatches(matches, *map_, probabilities_, options_.association);
+  std::vector<PoseObservation> observations;
+  observations.reserve(association_.used.size());
+  for (const PointMatch& match : association_.used) {
+    const Keypoint& keypoint = current_.data->keypoints()[match.keypoint];
+    PoseObservation observation;
+    observation.point_in_world = map_->Position(match.point);
+    observation.keypoint.pixel = {static_cast<double>(keypoint.x), static_cast<double>(keypoint.y)};
+    observation.keypoint.right_x = static_cast<double>(keypoint.right_x);
+    observation.keypoint.inverse_sigma2 = pyramid_.inverse_sigma2[keypoint.octave];
+    observation.keypoint.weight = match.weight;
+    observations.push_back(observation);
+  }
+  const PoseResult result =
+      OptimizePose(current_.data->camera(), current_.camera_from_world, observations, pose_options_);
+  current_.camera_from_world = result.camera_from_world;
+  std::vector<PointMatch> inliers;
+  inliers.reserve(association_.used.size());
+  for (std::size_t i = 0; i < association_.used.size(); ++i) {
+    if (result.inlier[i] != 0) {
+      inliers.push_back(association_.used[i]);
+    } else {
+      outliers_.push_back(association_.used[i]);
+    }
+  }
+  association_.used = std::move(inliers);
+  outcome->pose_ms += watch.Milliseconds();
+  return static_cast<int>(association_.used.size());
+}
+
+bool Tracker::TrackLastFrame(TrackOutcome* outcome) {
+  Stopwatch watch;
+  std::vector<LastSighting> sightings;
+  for (std::size_t i = 0; i < last_.points.size(); ++i) {
+    if (last_.points[i].valid()) {
+      if (const auto point = map_->IndexOf(last_.points[i])) {
+        sightings.push_back({static_cast<std::uint32_t>(i), *point});
+      }
+    }
+  }
+  current_.camera_from_world = velocity_ ? *velocity_ * last_.camera_from_world : last_.camera_from_world;
+  const auto search = [&](double window_px) {
+    return SearchLastFrame(*last_.data, sightings, *current_.data, current_.camera_from_world, *map_, pyramid_,
+                           window_px);
+  };
+  std::vector<PointMatch> matches = search(options_.motion_window_px);
+  if (std::ssize(matches) < options_.min_motion_matches) {
+    matches = search(2 * options_.motion_window_px);
+  }
+  outcome->matching_ms += watch.Milliseconds();
+  return std::ssize(matches) >= options_.min_motion_matches &&
+         OptimizeFrom(std::move(matches), outcome) >= options_.min_motion_inliers;
+}
+
+bool Tracker::TrackReferenceKeyframe(TrackOutcome* outcome) {
+  const LocalKeyframe* reference = map_->Find(last_.reference);
+  if (reference == nullptr) {
+    reference = &map_->keyframes.back();
+  }
+  Stopwatch watch;
+  outliers_.clear();
+  current_.camera_from_world = last_.camera_from_world;
+  std::vector<PointMatch> matches = MatchKeyframe(*reference, *current_.data, options_.reference_ratio);
+  outcome->matching_ms += watch.Milliseconds();
+  return std::ssize(matches) >= options_.min_reference_matches &&
+         OptimizeFrom(std::move(matches), outcome) >= options_.min_motion_inliers;
+}
+
+bool Tracker::Regain(TrackOutcome* outcome) {
+  Stopwatch watch;
+  const Eigen::Vector3d last_centre = last_.camera_from_world.Inverse().translation;
+  std::vector<std::pair<double, const LocalKeyframe*>> nearest;
+  for (const LocalKeyframe& keyframe : map_->keyframes) {
+    nearest.emplace_back((keyframe.camera_from_world.Inverse().translation - last_centre).norm(), &keyframe);
+  }
+  const auto count = std::min<std::ptrdiff_t>(std::ssize(nearest), options_.regain_keyframes);
+  std::ranges::partial_sort(nearest, nearest.begin() + count, {}, [](const auto& item) {
+    return std::pair(item.first, item.second->id);
+  });
+  for (std::ptrdiff_t i = 0; i < count; ++i) {
+    const LocalKeyframe& keyframe = *nearest[static_cast<std::size_t>(i)].second;
+    outliers_.clear();
+    std::vector<PointMatch> matches = MatchKeyframe(keyframe, *current_.data, options_.reference_ratio);
+    const Association selected = SelectMatches(matches, *map_, probabilities_, options_.association);
+    if (std::ssize(selected.used) < options_.min_reference_matches) {
+      continue;
+    }
+    const auto pose = RansacPose(*current_.data, selected.used, *map_, pyramid_, options_.min_motion_inliers);
+    current_.camera_from_world = pose ? *pose : keyframe.camera_from_world;
+    if (OptimizeFrom(std::move(matches), outcome) >= options_.min_motion_inliers) {
+      outcome->matching_ms += watch.Milliseconds();
+      return true;
+    }
+  }
+  outcome->matching_ms += watch.Milliseconds();
+  return false;
+}
+
+bool Tracker::TrackLocalMap(TrackOutcome* outcome) {
+  Stopwatch watch;
+  // All points matched so far keep their keypoints, dynamic and unused ones too: a static point must not take those.
+  std::vector<PointMatch> matches = association_.used;
+  matches.insert(matches.end(), association_.set_aside.begin(), association_.set_aside.end());
+  matches.insert(matches.end(), association_.dynamic.begin(), association_.dynamic.end());
+  std::vector<std::uint8_t> taken(map_->size(), 0);
+  std::vector<std::uint8_t> occupied(current_.data->size(), 0);
+  for (const PointMatch& match : matches) {
+    taken[match.point] = 1;
+    occupied[match.keypoint] = 1;
+  }
+  const double window = regaining_ ? options_.regain_window_px : options_.local_window_px;
+  const LocalSearch search = SearchLocalMap(*current_.data, current_.camera_from_world, *map_, pyramid_, taken,
+                                            occupied, window, options_.local_ratio);
+  matches.insert(matches.end(), search.matches.begin(), search.matches.end());
+  outliers_.clear();
+  outcome->local_map_ms += watch.Milliseconds();
+  const int inliers = OptimizeFrom(std::move(matches), outcome);
+  CountUse(search);
+  return inliers >= (regaining_ ? options_.min_regain_inliers : options_.min_inliers);
+}
+
+void Tracker::CountUse(const LocalSearch& search) {
+  if (!map_->ids.empty() && uses_.size() <= map_->ids.back().index()) {
+    uses_.resize(map_->ids.back().index() + 1);
+  }
+  const auto use_of = [&](std::uint32_t point) -> PointUse& {
+    const PointId id = map_->ids[point];
+    PointUse& use = uses_[id.index()];
+    if (!use.point.valid()) {
+      use.point = id;
+      used_ids_.push_back(id);
+    }
+    return use;
+  };
+  for (const std::uint32_t point : search.visible) {
+    ++use_of(point).visible;
+  }
+  for (const PointMatch& match : association_.used) {
+    ++use_of(match.point).found;
+  }
+}
+
+// The keyframe that shares most points with the frame.
+void Tracker::ChooseReference(TrackOutcome* outcome) {
+  std::vector<std::uint8_t> seen(map_->size(), 0);
+  for (const PointMatch& match : association_.used) {
+    seen[match.point] = 1;
+  }
+  const LocalKeyframe* best = &map_->keyframes.back();
+  int most = -1;
+  for (const LocalKeyframe& keyframe : map_->keyframes) {
+    int shared = 0;
+    for (const LocalKeyframe::Link& link : keyframe.links) {
+      shared += seen[link.point];
+    }
+    if (shared >= most) {  // the newest of equals
+      most = shared;
+      best = &keyframe;
+    }
+  }
+  current_.reference = best->id;
+  current_.camera_from_reference = current_.camera_from_world * best->camera_from_world.Inverse();
+  outcome->reference = current_.reference;
+  outcome->camera_from_reference = current_.camera_from_reference;
+}
+
+KeyframeSituation Tracker::Situation(const WorkerStatus& status) const {
+  KeyframeSituation situation;
+  situation.frames_since_keyframe = frames_since_keyframe_;
+  situation.frames_since_regained = frames_since_regained_;
+  situation.mapping_idle = status.mapping_idle;
+  situation.segmenter_idle = status.segmenter_idle;
+  situation.inliers = static_cast<int>(association_.used.size());
+  const LocalKeyframe* reference = map_->Find(current_.reference);
+  Check(reference != nullptr, "the reference keyframe is in the snapshot");
+  situation.reference_tracked_points = reference->tracked_points;
+  const double close_m = options_.close_baselines * current_.data->camera().baseline_m;
+  std::vector<std::uint8_t> rejected(current_.data->size(), 0);
+  for (const PointMatch& match : association_.dynamic) {
+    rejected[match.keypoint] = 1;
+  }
+  for (std::size_t i = 0; i < current_.data->size(); ++i) {
+    const Keypoint& keypoint = current_.data->keypoints()[i];
+    if (keypoint.HasDepth() && static_cast<double>(keypoint.depth_m) < close_m && rejected[i] == 0) {
+      ++(current_.points[i].valid() ? situation.close_tracked : situation.close_untracked);
+    }
+  }
+  return situation;
+}
+
+KeyframeCandidate Tracker::MakeCandidate() const {
+  KeyframeCandidate candidate;
+  candidate.frame = current_.id;
+  candidate.timestamp_s = current_.timestamp_s;
+  candidate.data = current_.data;
+  candidate.reference = current_.reference;
+  candidate.camera_from_reference = current_.camera_from_reference;
+  candidate.points = current_.points;
+  for (const PointId id : used_ids_) {
+    candidate.uses.push_back(uses_[id.index()]);
+  }
+  return candidate;
+}
+
+void Tracker::KeyframeTaken() {
+  frames_since_keyframe_ = 0;
+  for (const PointId id : used_ids_) {
+    uses_[id.index()] = PointUse{};
+  }
+  used_ids_.clear();
+}
+
+}  // namespace rds

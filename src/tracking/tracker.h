@@ -1,0 +1,134 @@
+// Tracking: the pose of each frame against an immutable snapshot of the map.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "base/ids.h"
+#include "map/local_map.h"
+#include "optim/pose_optimizer.h"
+#include "semantic/moving_probability.h"
+#include "tracking/data_association.h"
+#include "tracking/keyframe_policy.h"
+#include "tracking/projection_search.h"
+
+namespace rds {
+
+struct TrackerOptions {
+  int min_start_points = 100;      // keypoints with depth that a first keyframe needs
+  double motion_window_px = 15;    // doubled if it finds too little
+  int min_motion_matches = 20;
+  int min_motion_inliers = 10;
+  double reference_ratio = 0.7;
+  int min_reference_matches = 15;
+  double local_window_px = 3;
+  double regain_window_px = 10;
+  double local_ratio = 0.8;
+  int min_inliers = 30;            // of a tracked frame
+  int min_regain_inliers = 50;     // when regaining
+  int regain_keyframes = 10;       // nearest keyframes that are tried
+  double close_baselines = 40;     // depth below so many baselines is close
+  AssociationOptions association;
+  KeyframePolicyOptions policy;
+};
+
+// What tracking must know of the other threads, read once a frame.
+struct WorkerStatus {
+  bool mapping_idle = true;
+  bool segmenter_idle = false;
+};
+
+// How often a point was in view and matched since the last keyframe.
+struct PointUse {
+  PointId point;
+  int visible = 0;
+  int found = 0;
+};
+
+// A frame that is to become a keyframe.
+struct KeyframeCandidate {
+  FrameId frame;
+  double timestamp_s = 0;
+  std::shared_ptr<const FrameData> data;
+  KeyframeId reference;             // invalid for the very first
+  Rigid3 camera_from_reference;     // pose; in the world if there is no reference
+  std::vector<PointId> points;      // one for each keypoint, invalid = none
+  std::vector<PointUse> uses;       // since the keyframe before
+};
+
+// Outcome of one frame.
+struct TrackOutcome {
+  bool tracked = false;
+  Rigid3 camera_from_world;         // valid if tracked
+  KeyframeId reference;             // the pose hangs on this keyframe; invalid for the very first frame
+  Rigid3 camera_from_reference;
+  bool wants_keyframe = false;      // MakeCandidate gives it
+  std::vector<PointMatch> used;     // the pose stands on these
+  std::vector<PointMatch> rejected; // dynamic points and outliers
+  double matching_ms = 0;
+  double pose_ms = 0;
+  double local_map_ms = 0;
+};
+
+// The tracking thread's algorithm (sections III and V of the paper). Knows no thread: reads the snapshot it is given
+// and the wait-free table of probabilities, changes only itself. One instance, one caller.
+class Tracker {
+ public:
+  // `probabilities` must outlive the tracker.
+  Tracker(const TrackerOptions& options, const PoseOptimizerOptions& pose, const ScalePyramid& pyramid,
+          const MovingProbabilities& probabilities);
+
+  // Tracks one frame. `map` is null before the first keyframe is in the map.
+  TrackOutcome Track(FrameId frame, double timestamp_s, std::shared_ptr<const FrameData> data,
+                     std::shared_ptr<const LocalMap> map, const WorkerStatus& status);
+
+  // The frame just tracked as a keyframe; to be called at most once, after Track said wants_keyframe.
+  [[nodiscard]] KeyframeCandidate MakeCandidate() const;
+  // Tells that the candidate was taken: the policy counts anew.
+  void KeyframeTaken();
+
+ private:
+  struct Frame {
+    FrameId id;
+    double timestamp_s = 0;
+    std::shared_ptr<const FrameData> data;
+    Rigid3 camera_from_world;
+    KeyframeId reference;
+    Rigid3 camera_from_reference;
+    std::vector<PointId> points;  // of each keypoint, inliers only
+    bool tracked = false;
+  };
+
+  TrackOutcome Start(TrackOutcome outcome);
+  void Rebase();
+  bool TrackLastFrame(TrackOutcome* outcome);
+  bool TrackReferenceKeyframe(TrackOutcome* outcome);
+  bool Regain(TrackOutcome* outcome);
+  bool TrackLocalMap(TrackOutcome* outcome);
+  // Pose from the matches that Algorithm 2 lets through; keeps the inliers in matches_. Returns their number.
+  int OptimizeFrom(std::vector<PointMatch> matches, TrackOutcome* outcome);
+  void ChooseReference(TrackOutcome* outcome);
+  void CountUse(const LocalSearch& search);
+  [[nodiscard]] KeyframeSituation Situation(const WorkerStatus& status) const;
+
+  TrackerOptions options_;
+  PoseOptimizerOptions pose_options_;
+  ScalePyramid pyramid_;
+  const MovingProbabilities& probabilities_;
+
+  std::shared_ptr<const LocalMap> map_;
+  Frame last_;
+  Frame current_;
+  std::optional<Rigid3> velocity_;      // current camera from last camera
+  Association association_;             // of the latest pose optimisation; `used` are inliers
+  std::vector<PointMatch> outliers_;
+  bool started_ = false;
+  bool regaining_ = false;
+  int frames_since_keyframe_ = 0;
+  int frames_since_regained_ = 1 << 20;
+  std::vector<PointUse> uses_;          // by point id, value-initialised where unused
+  std::vector<PointId> used_ids_;       // ids whose entry in uses_ is in use
+};
+
+}  // namespace rds
