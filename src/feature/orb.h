@@ -9,11 +9,11 @@
 namespace rds {
 
 struct OrbOptions {
-  int features = 1000;          // keypoints wanted
-  int levels = 8;               // pyramid levels
-  double scale_factor = 1.2;    // between levels
-  int fast_threshold = 20;      // grey values
-  int min_fast_threshold = 7;   // used in cells where the first threshold finds nothing
+  int features = 1000;         // keypoints wanted
+  int levels = 8;              // pyramid levels
+  double scale_factor = 1.2;   // between levels
+  int fast_threshold = 20;     // grey values
+  int min_fast_threshold = 7;  // used in cells where the first threshold finds nothing
 };
 
 // Extracts ORB features (Rublee et al., "ORB: an efficient alternative to SIFT or SURF", ICCV 2011) and looks up their

@@ -1,0 +1,165 @@
+#include "feature/orb.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <opencv2/calib3d.hpp>
+#include <utility>
+#include <vector>
+
+#include "base/error.h"
+#include "feature/orb_descriptor.h"
+#include "feature/orb_fast.h"
+#include "feature/orb_image.h"
+#include "feature/orb_select.h"
+
+namespace rds {
+namespace {
+
+// Distance of keypoints from the edges of their level: patch and radius of the blur, and a pixel of rounding.
+constexpr int kBorder = kPatchRadius + 3 + 1;
+
+// Keypoints wanted of each level: falls with the scale, as the perimeter of the image does.
+std::vector<std::size_t> FeaturesPerLevel(const OrbOptions& options) {
+  double sum = 0;
+  for (int i = 0; i < options.levels; ++i) {
+    sum += std::pow(options.scale_factor, -i);
+  }
+  std::vector<std::size_t> wanted;
+  double cumulative = 0;
+  std::size_t before = 0;
+  for (int i = 0; i < options.levels; ++i) {
+    cumulative += std::pow(options.scale_factor, -i) / sum;
+    const auto end = static_cast<std::size_t>(std::lround(options.features * cumulative));
+    wanted.push_back(end - before);
+    before = end;
+  }
+  return wanted;
+}
+
+void LookUpDepth(const PinholeCamera& camera, const Image16& depth, std::vector<Keypoint>& keypoints) {
+  const auto bf = static_cast<float>(camera.Bf());
+  const auto metres_per_unit = static_cast<float>(1 / camera.depth_scale);
+  for (Keypoint& keypoint : keypoints) {
+    const std::uint16_t raw =
+        depth.At(static_cast<int>(keypoint.raw_x + 0.5F), static_cast<int>(keypoint.raw_y + 0.5F));
+    if (raw != 0 && raw != std::numeric_limits<std::uint16_t>::max()) {
+      keypoint.depth_m = static_cast<float>(raw) * metres_per_unit;
+      keypoint.right_x = keypoint.x - bf / keypoint.depth_m;
+    }
+  }
+}
+
+void Undistort(const PinholeCamera& camera, std::vector<Keypoint>& keypoints) {
+  if (!camera.HasDistortion() || keypoints.empty()) {
+    return;
+  }
+  std::vector<cv::Point2f> points;
+  points.reserve(keypoints.size());
+  for (const Keypoint& keypoint : keypoints) {
+    points.emplace_back(keypoint.raw_x, keypoint.raw_y);
+  }
+  const cv::Matx33d k(camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1);
+  cv::undistortPoints(points, points, k, cv::Mat(camera.distortion), cv::noArray(), k);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    keypoints[i].x = points[i].x;
+    keypoints[i].y = points[i].y;
+  }
+}
+
+}  // namespace
+
+struct OrbExtractor::Impl {
+  OrbOptions options;
+  ScalePyramid pyramid;
+  std::vector<std::size_t> features_per_level;
+  PatchDescriber describer;
+
+  // Buffers, kept between frames.
+  std::vector<GreyPlane> levels;
+  std::vector<Shrinker> shrinkers;  // by level; the first is unused
+  GreyPlane blurred;
+  std::vector<std::uint8_t> blurred_row;
+  FastDetector detector;
+  CornerSelector selector;
+  std::vector<Corner> corners;
+
+  explicit Impl(const OrbOptions& options_)
+      : options(options_),
+        pyramid(options_.levels, options_.scale_factor),
+        features_per_level(FeaturesPerLevel(options_)),
+        levels(static_cast<std::size_t>(options_.levels)),
+        shrinkers(static_cast<std::size_t>(options_.levels)) {}
+
+  void ExtractLevel(std::size_t level, std::vector<Keypoint>& keypoints, std::vector<Descriptor>& descriptors);
+};
+
+void OrbExtractor::Impl::ExtractLevel(std::size_t level, std::vector<Keypoint>& keypoints,
+                                      std::vector<Descriptor>& descriptors) {
+  const GreyPlane& image = levels[level];
+  const int inner_width = image.width() - 2 * kBorder;
+  const int inner_height = image.height() - 2 * kBorder;
+  if (inner_width < 1 || inner_height < 1) {
+    return;
+  }
+  detector.Detect(image, static_cast<std::uint8_t>(options.min_fast_threshold), kBorder, corners);
+  selector.DropWeak(image.width(), image.height(), static_cast<std::uint8_t>(options.fast_threshold), corners);
+  selector.Spread(image.width(), image.height(), features_per_level[level], corners);
+  if (corners.empty()) {
+    return;
+  }
+  Blur(image, blurred, blurred_row);
+  const float scale = pyramid.scale[level];
+  for (const Corner& corner : corners) {
+    const Orientation orientation = OrientationAt(image.Row(corner.y) + corner.x, image.stride());
+    Keypoint& keypoint = keypoints.emplace_back();
+    keypoint.x = (static_cast<float>(corner.x) + 0.5F) * scale - 0.5F;
+    keypoint.y = (static_cast<float>(corner.y) + 0.5F) * scale - 0.5F;
+    keypoint.raw_x = keypoint.x;
+    keypoint.raw_y = keypoint.y;
+    keypoint.angle_deg = orientation.AngleDeg();
+    keypoint.octave = static_cast<std::uint8_t>(level);
+    descriptors.push_back(describer.Describe(blurred.Row(corner.y) + corner.x, blurred.stride(), orientation));
+  }
+}
+
+OrbExtractor::OrbExtractor(const OrbOptions& options) {
+  Check(options.features >= 0 && options.features < std::numeric_limits<std::uint16_t>::max(),
+        "fewer than 65535 features");
+  Check(options.levels > 0 && options.levels <= 255 && options.scale_factor > 1, "a pyramid has levels that shrink");
+  Check(options.min_fast_threshold >= 0 && options.min_fast_threshold <= options.fast_threshold &&
+            options.fast_threshold <= 255,
+        "FAST thresholds are grey values, the minimum not above the other");
+  impl_ = std::make_unique<Impl>(options);
+}
+
+OrbExtractor::~OrbExtractor() = default;
+
+const ScalePyramid& OrbExtractor::pyramid() const { return impl_->pyramid; }
+
+FrameData OrbExtractor::Extract(const PinholeCamera& camera, const Image8& image, const Image16& depth) {
+  Check(image.width == camera.width && image.height == camera.height && (image.channels == 1 || image.channels == 3),
+        "a grey or BGR image of the camera's size");
+  Check(depth.width == camera.width && depth.height == camera.height && depth.channels == 1,
+        "a depth image of the camera's size");
+  std::vector<Keypoint> keypoints;
+  std::vector<Descriptor> descriptors;
+  keypoints.reserve(static_cast<std::size_t>(impl_->options.features));
+  descriptors.reserve(static_cast<std::size_t>(impl_->options.features));
+  ToGrey(image, impl_->levels[0]);
+  for (std::size_t level = 0; level < impl_->levels.size(); ++level) {
+    if (level > 0) {
+      const GreyPlane& larger = impl_->levels[level - 1];
+      if (std::min(larger.width(), larger.height()) <= 2 * kBorder) {
+        break;  // this level and all after it are smaller than a patch
+      }
+      impl_->shrinkers[level].Shrink(larger, impl_->options.scale_factor, impl_->levels[level]);
+    }
+    impl_->ExtractLevel(level, keypoints, descriptors);
+  }
+  Undistort(camera, keypoints);
+  LookUpDepth(camera, depth, keypoints);
+  return {camera, std::move(keypoints), std::move(descriptors)};
+}
+
+}  // namespace rds

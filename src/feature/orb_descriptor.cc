@@ -1,0 +1,117 @@
+#include "feature/orb_descriptor.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "base/random.h"
+
+namespace rds {
+namespace {
+
+constexpr int kRows = 2 * kPatchRadius + 1;
+constexpr int kColumns = 32;  // from -16 on; the weights of column -16 are 0
+
+// Weights x and y of each pixel in the round patch, 0 outside.
+struct MomentWeights {
+  std::array<std::int8_t, static_cast<std::size_t>(kRows* kColumns)> x{};
+  std::array<std::int8_t, static_cast<std::size_t>(kRows* kColumns)> y{};
+};
+
+constexpr MomentWeights MakeMomentWeights() {
+  MomentWeights weights;
+  for (int y = -kPatchRadius; y <= kPatchRadius; ++y) {
+    for (int x = -kPatchRadius; x <= kPatchRadius; ++x) {
+      if (x * x + y * y <= kPatchRadius * (kPatchRadius + 1)) {
+        const auto i = static_cast<std::size_t>((y + kPatchRadius) * kColumns + x + 16);
+        weights.x[i] = static_cast<std::int8_t>(x);
+        weights.y[i] = static_cast<std::int8_t>(y);
+      }
+    }
+  }
+  return weights;
+}
+
+constexpr MomentWeights kMomentWeights = MakeMomentWeights();
+
+}  // namespace
+
+float Orientation::AngleDeg() const {
+  const float angle = std::atan2(sine, cosine) * static_cast<float>(180 / std::numbers::pi);
+  const float positive = angle < 0 ? angle + 360 : angle;
+  return positive < 360 ? positive : 0;
+}
+
+Orientation OrientationAt(const std::uint8_t* centre, std::ptrdiff_t stride) {
+  int sum_x = 0;
+  int sum_y = 0;
+  const std::int8_t* weight_x = kMomentWeights.x.data();
+  const std::int8_t* weight_y = kMomentWeights.y.data();
+  for (int y = -kPatchRadius; y <= kPatchRadius; ++y, weight_x += kColumns, weight_y += kColumns) {
+    const std::uint8_t* const row = centre + y * stride - 16;
+    for (int i = 0; i < kColumns; ++i) {
+      sum_x += row[i] * weight_x[i];
+      sum_y += row[i] * weight_y[i];
+    }
+  }
+  if (sum_x == 0 && sum_y == 0) {
+    return {};
+  }
+  const auto x = static_cast<float>(sum_x);
+  const auto y = static_cast<float>(sum_y);
+  const float scale = 1 / std::sqrt(x * x + y * y);
+  return {x * scale, y * scale};
+}
+
+PatchDescriber::PatchDescriber() {
+  constexpr double kSigma = (2 * kPatchRadius + 1) / 5.0;  // as BRIEF's best sampling, of G II
+  Random random(20111109);
+  const auto draw = [&random] {
+    for (;;) {
+      const double x = random.Gaussian(0, kSigma);
+      const double y = random.Gaussian(0, kSigma);
+      if (x * x + y * y <= (kPatchRadius - 0.5) * (kPatchRadius - 0.5)) {
+        return std::array<float, 2>{static_cast<float>(std::round(x)), static_cast<float>(std::round(y))};
+      }
+    }
+  };
+  for (std::size_t i = 0; i < kPoints / 2; ++i) {
+    const std::array<float, 2> a = draw();
+    std::array<float, 2> b = draw();
+    while (std::hypot(a[0] - b[0], a[1] - b[1]) < 3) {
+      b = draw();
+    }
+    x_[i] = a[0];
+    y_[i] = a[1];
+    x_[i + kPoints / 2] = b[0];
+    y_[i + kPoints / 2] = b[1];
+  }
+}
+
+Descriptor PatchDescriber::Describe(const std::uint8_t* centre, std::ptrdiff_t stride, Orientation orientation) const {
+  // Adding and subtracting 1.5 * 2^23 would round too, but the compiler may not vectorise lrint: so floor(v + 0.5),
+  // made positive first for the conversion that cuts towards zero.
+  constexpr float kHalf = 0.5F + 32;
+  alignas(64) std::array<std::int32_t, kPoints> offsets;
+  const auto int_stride = static_cast<std::int32_t>(stride);
+  for (std::size_t i = 0; i < kPoints; ++i) {
+    const auto x = static_cast<std::int32_t>(x_[i] * orientation.cosine - y_[i] * orientation.sine + kHalf);
+    const auto y = static_cast<std::int32_t>(x_[i] * orientation.sine + y_[i] * orientation.cosine + kHalf);
+    offsets[i] = (y - 32) * int_stride + x - 32;
+  }
+  alignas(64) std::array<std::uint8_t, kPoints> values;
+  for (std::size_t i = 0; i < kPoints; ++i) {
+    values[i] = centre[offsets[i]];
+  }
+  Descriptor descriptor;
+  for (std::size_t word = 0; word < descriptor.size(); ++word) {
+    std::uint64_t bits = 0;
+    for (std::size_t i = 0; i < 64; ++i) {
+      bits |= static_cast<std::uint64_t>(values[64 * word + i] < values[64 * word + i + kPoints / 2]) << i;
+    }
+    descriptor[word] = bits;
+  }
+  return descriptor;
+}
+
+}  // namespace rds

@@ -1,0 +1,36 @@
+// FAST corners.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "feature/orb_image.h"
+
+namespace rds {
+
+// A corner in a grey image.
+struct Corner {
+  std::int16_t x = 0;
+  std::int16_t y = 0;
+  std::uint8_t score = 0;  // largest difference of grey that still makes it a corner
+};
+
+// Finds FAST-9/16 corners (Rosten and Drummond, "Machine learning for high-speed corner detection", ECCV 2006): nine
+// neighbouring pixels of the circle of radius 3 all brighter or all darker than the centre by more than a threshold.
+// Keeps only those whose score is the largest of their 3 x 3 neighbourhood. Not thread-safe: keeps its buffers.
+class FastDetector {
+ public:
+  // Corners above `threshold` at least `border` >= 4 pixels from the image's edges, by rows.
+  void Detect(const GreyPlane& image, std::uint8_t threshold, int border, std::vector<Corner>& corners);
+
+ private:
+  struct ScoreRow {
+    std::vector<std::uint8_t> scores;  // by x, with padding on both sides
+    std::vector<std::uint8_t> filled;  // by block: whether any score in it is above the threshold
+  };
+  void Score(const GreyPlane& image, int y, std::uint8_t threshold, int begin, int end, ScoreRow& row) const;
+
+  ScoreRow rows_[3];
+};
+
+}  // namespace rds

@@ -1,0 +1,125 @@
+#include "feature/orb_select.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rds {
+namespace {
+
+// Cells of equal size over an image; the division by the cell size is a multiplication.
+class Grid {
+ public:
+  Grid(int width, int height, double cell_px)
+      : columns_(std::max(1, static_cast<int>(std::lround(width / cell_px)))),
+        rows_(std::max(1, static_cast<int>(std::lround(height / cell_px)))),
+        columns_per_px_((static_cast<std::uint32_t>(columns_) << 16U) / static_cast<std::uint32_t>(width)),
+        rows_per_px_((static_cast<std::uint32_t>(rows_) << 16U) / static_cast<std::uint32_t>(height)) {}
+
+  [[nodiscard]] std::size_t size() const {
+    return static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_);
+  }
+  [[nodiscard]] std::uint32_t CellOf(const Corner& corner) const {
+    const std::uint32_t row = (static_cast<std::uint32_t>(corner.y) * rows_per_px_) >> 16U;
+    const std::uint32_t column = (static_cast<std::uint32_t>(corner.x) * columns_per_px_) >> 16U;
+    return row * static_cast<std::uint32_t>(columns_) + column;
+  }
+
+ private:
+  int columns_;
+  int rows_;
+  std::uint32_t columns_per_px_;  // times 2^16
+  std::uint32_t rows_per_px_;
+};
+
+constexpr double kThresholdCellPx = 35;
+
+}  // namespace
+
+void CornerSelector::DropWeak(int width, int height, std::uint8_t strong_threshold, std::vector<Corner>& corners) {
+  const Grid grid(width, height, kThresholdCellPx);
+  strongest_.assign(grid.size(), 0);
+  for (const Corner& corner : corners) {
+    std::uint8_t& strongest = strongest_[grid.CellOf(corner)];
+    strongest = std::max(strongest, corner.score);
+  }
+  std::erase_if(corners, [&](const Corner& corner) {
+    return corner.score <= strong_threshold && strongest_[grid.CellOf(corner)] > strong_threshold;
+  });
+}
+
+void CornerSelector::Spread(int width, int height, std::size_t wanted, std::vector<Corner>& corners) {
+  if (corners.size() <= wanted) {
+    return;
+  }
+  if (wanted == 0) {
+    corners.clear();
+    return;
+  }
+  const Grid grid(width, height, std::sqrt(static_cast<double>(width) * height / static_cast<double>(wanted)));
+
+  // Counting sort into the cells, best first in each; equal scores keep their order.
+  cell_start_.assign(grid.size() + 1, 0);
+  cell_of_.resize(corners.size());
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    cell_of_[i] = grid.CellOf(corners[i]);
+    ++cell_start_[cell_of_[i]];
+  }
+  std::uint32_t start = 0;
+  for (std::uint32_t& cell : cell_start_) {
+    start += cell;
+    cell = start - cell;
+  }
+  sorted_.resize(corners.size());
+  rank_.assign(grid.size(), 0);  // here: corners of a cell so far
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const std::uint32_t begin = cell_start_[cell_of_[i]];
+    std::uint32_t at = begin + rank_[cell_of_[i]]++;
+    for (; at > begin && sorted_[at - 1].score < corners[i].score; --at) {
+      sorted_[at] = sorted_[at - 1];
+    }
+    sorted_[at] = corners[i];
+  }
+
+  rank_.resize(corners.size());
+  rank_count_.clear();
+  for (std::size_t cell = 0; cell < grid.size(); ++cell) {
+    const std::uint32_t size = cell_start_[cell + 1] - cell_start_[cell];
+    if (size > rank_count_.size()) {
+      rank_count_.resize(size, 0);
+    }
+    for (std::uint32_t r = 0; r < size; ++r) {
+      rank_[cell_start_[cell] + r] = r + 1;
+      ++rank_count_[r];
+    }
+  }
+
+  // Whole rounds first, then the best of the round that is one too many.
+  std::uint32_t last_rank = 1;
+  std::size_t left = wanted;
+  while (rank_count_[last_rank - 1] <= left) {
+    left -= rank_count_[last_rank - 1];
+    ++last_rank;
+  }
+  last_round_.clear();
+  for (std::uint32_t i = 0; i < sorted_.size(); ++i) {
+    if (rank_[i] == last_rank) {
+      last_round_.push_back(i);
+    }
+  }
+  const auto better = [this](std::uint32_t a, std::uint32_t b) {
+    return sorted_[a].score != sorted_[b].score ? sorted_[a].score > sorted_[b].score : a < b;
+  };
+  std::nth_element(last_round_.begin(), last_round_.begin() + static_cast<std::ptrdiff_t>(left), last_round_.end(),
+                   better);
+  for (std::size_t i = 0; i < left; ++i) {
+    rank_[last_round_[i]] = 0;  // taken
+  }
+  corners.clear();
+  for (std::size_t i = 0; i < sorted_.size(); ++i) {
+    if (rank_[i] < last_rank) {
+      corners.push_back(sorted_[i]);
+    }
+  }
+}
+
+}  // namespace rds
