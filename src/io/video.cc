@@ -66,8 +66,8 @@ class VideoFile {
  public:
   VideoFile(const std::filesystem::path& file, double frames_per_s, cv::Size size) : pending_(file) {
     CheckExtension(file, ".mp4");
-    const bool opened =
-        writer_.open(pending_.temporary(), cv::VideoWriter::fourcc('m', 'p', '4', 'v'), frames_per_s, size);
+    const bool opened = writer_.open(pending_.temporary(), cv::CAP_FFMPEG, cv::VideoWriter::fourcc('m', 'p', '4', 'v'),
+                                     frames_per_s, size);
     if (!opened) {
       throw InputError(
           fmt::format("{}: cannot be written as video: is the folder there and writable, and OpenCV built with FFmpeg?",
@@ -83,7 +83,7 @@ class VideoFile {
   // OpenCV does not report write errors, so the file is read back.
   void Finish() {
     writer_.release();
-    cv::VideoCapture written(pending_.temporary());
+    cv::VideoCapture written(pending_.temporary(), cv::CAP_FFMPEG);
     if (frames_ > 0 && (!written.isOpened() || written.get(cv::CAP_PROP_FRAME_COUNT) < frames_)) {
       throw InputError(fmt::format("{}: the video is incomplete; is the disk full?", pending_.file().string()));
     }
@@ -96,18 +96,17 @@ class VideoFile {
   int frames_ = 0;
 };
 
-void WriteStill(const std::filesystem::path& file, const Image8& picture) {
-  PendingFile pending(file);
+// Writes a PNG under its temporary name.
+void EncodeStill(const PendingFile& pending, const Image8& picture) {
   bool written = false;
   try {
     written = cv::imwrite(pending.temporary(), View(picture));
   } catch (const cv::Exception&) {  // reported below
   }
   if (!written) {
-    throw InputError(
-        fmt::format("{}: cannot be written; is the folder there, writable and the disk not full?", file.string()));
+    throw InputError(fmt::format("{}: cannot be written; is the folder there, writable and the disk not full?",
+                                 pending.file().string()));
   }
-  pending.Commit();
 }
 
 }  // namespace
@@ -121,8 +120,7 @@ class VideoRecorder::Impl {
     }
     if (options.still) {
       CheckExtension(*options.still, ".png");
-      WriteStill(TemporaryName(*options.still), Image8(8, 8, 3));  // fails now rather than at the end
-      std::filesystem::remove(TemporaryName(*options.still));
+      EncodeStill(PendingFile(*options.still), Image8(8, 8, 3));  // a bad place fails now rather than at the end
     }
     worker_ = std::make_unique<Worker>([this] { Work(); });
   }
@@ -150,7 +148,9 @@ class VideoRecorder::Impl {
     queue_.Close();
     worker_->Join();
     if (options_.still && !still_.empty()) {
-      WriteStill(*options_.still, still_);
+      PendingFile pending(*options_.still);
+      EncodeStill(pending, still_);
+      pending.Commit();
     } else if (options_.still) {
       throw InputError(fmt::format("{}: no picture, because the run did not reach frame {}", options_.still->string(),
                                    options_.still_frame ? options_.still_frame->value : 0));

@@ -10,9 +10,9 @@
 namespace rds {
 
 struct VideoOptions {
-  std::optional<std::filesystem::path> video;  // .mp4 (MPEG-4), played at frames_per_s
-  std::optional<std::filesystem::path> still;  // .png
-  std::optional<FrameId> still_frame;          // absent: the last frame
+  std::optional<std::filesystem::path> video = std::nullopt;  // .mp4 (MPEG-4), played at frames_per_s
+  std::optional<std::filesystem::path> still = std::nullopt;  // .png
+  std::optional<FrameId> still_frame = std::nullopt;          // absent: the last frame
   double frames_per_s = 30;
   bool wait = false;  // Add waits for room instead of leaving a frame out (where real time is no matter)
 

@@ -8,6 +8,7 @@
 #include <system_error>
 
 #include "base/error.h"
+#include "base/suggest.h"
 
 namespace rds {
 namespace {
@@ -47,35 +48,6 @@ OptionEntry NumberEntry(std::string key, Number& value, Number min, Number max, 
   entry.key = std::move(key);
   entry.meaning = std::move(meaning);
   return entry;
-}
-
-// Levenshtein distance.
-std::size_t EditDistance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  for (std::size_t j = 0; j <= b.size(); ++j) {
-    row[j] = j;
-  }
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = std::exchange(row[0], i);
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t replaced = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-      diagonal = std::exchange(row[j], std::min({replaced, row[j] + 1, row[j - 1] + 1}));
-    }
-  }
-  return row.back();
-}
-
-// ", did you mean 'x'?" for the nearest of some names, or nothing if none is near.
-std::string Suggestion(std::string_view name, const std::vector<std::string>& names) {
-  std::size_t best = 1 + std::max<std::size_t>(2, name.size() / 3);
-  std::string nearest;
-  for (const std::string& candidate : names) {
-    if (const std::size_t distance = EditDistance(name, candidate); distance < best) {
-      best = distance;
-      nearest = candidate;
-    }
-  }
-  return nearest.empty() ? "" : ", did you mean '" + nearest + "'?";
 }
 
 // "a, b or c"
