@@ -1,33 +1,55 @@
-# One test program for each folder of src/ (FOLDER_test, label FOLDER), and the tests of the repository itself in tests/.
+# One test program for each folder of src/ (FOLDER_test, label FOLDER), and the tests of the repository itself in tests/
+# (label repository).
 include(GoogleTest)
 
 set(RDS_TEST_ENVIRONMENT
-  "TSAN_OPTIONS=halt_on_error=1:second_deadlock_stack=1:suppressions=${PROJECT_SOURCE_DIR}/tests/tsan.supp"
-  "ASAN_OPTIONS=detect_leaks=1:strict_string_checks=1"
-  "LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/lsan.supp:print_suppressions=0"
-  "UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1")
+  "TSAN_OPTIONS=halt_on_error=1 second_deadlock_stack=1 suppressions=${PROJECT_SOURCE_DIR}/tests/tsan.supp"
+  "ASAN_OPTIONS=detect_leaks=1 strict_string_checks=1 detect_stack_use_after_return=1"
+  "LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/lsan.supp print_suppressions=0"
+  "UBSAN_OPTIONS=print_stacktrace=1 halt_on_error=1")
 
-set(RDS_PCH_OWNER "")
+add_custom_target(rds_thread_tests)  # what is worth running under ThreadSanitizer
+set(pch_owner "")
 foreach(folder base geometry optim feature map semantic tracking mapping loop runtime system io eval cli testing)
   set(folder_tests ${test_sources})
   list(FILTER folder_tests INCLUDE REGEX "/src/${folder}/")
   if(NOT folder_tests)
     continue()
   endif()
-  add_executable(${folder}_test ${folder_tests})
+  set(program ${folder}_test)
+  add_executable(${program} ${folder_tests})
   if(folder STREQUAL "cli")
-    target_link_libraries(cli_test PRIVATE rds_cli)
+    target_link_libraries(${program} PRIVATE rds_cli)
   endif()
-  target_link_libraries(${folder}_test PRIVATE $<TARGET_NAME_IF_EXISTS:rds_testing> rds_core rds_flags Ceres::ceres nlohmann_json::nlohmann_json ${RDS_YAML_CPP}
-    CURL::libcurl OpenSSL::Crypto opencv_core opencv_imgproc opencv_imgcodecs opencv_features2d opencv_calib3d
+  target_link_libraries(${program} PRIVATE $<TARGET_NAME_IF_EXISTS:rds_testing> rds_core rds_flags
+    Ceres::ceres nlohmann_json::nlohmann_json ${RDS_YAML_CPP} CURL::libcurl OpenSSL::Crypto
+    opencv_core opencv_imgproc opencv_imgcodecs opencv_features2d opencv_calib3d opencv_videoio
     GTest::gmock GTest::gtest_main)
   # All test programs share one precompiled header.
-  if(RDS_PCH_OWNER)
-    target_precompile_headers(${folder}_test REUSE_FROM ${RDS_PCH_OWNER})
-  else()
-    target_precompile_headers(${folder}_test PRIVATE <gmock/gmock.h> <gtest/gtest.h> <Eigen/Core> <Eigen/Geometry>)
-    set(RDS_PCH_OWNER ${folder}_test)
+  if(pch_owner AND NOT folder STREQUAL "cli")
+    target_precompile_headers(${program} REUSE_FROM ${pch_owner})
+  elseif(NOT pch_owner)
+    target_precompile_headers(${program} PRIVATE
+      <gmock/gmock.h> <gtest/gtest.h> <Eigen/Core> <Eigen/Geometry> <memory> <string> <vector>)
+    set(pch_owner ${program})
   endif()
-  gtest_discover_tests(${folder}_test TEST_PREFIX "${folder}." DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60
+  gtest_discover_tests(${program} TEST_PREFIX "${folder}." DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60
     PROPERTIES LABELS ${folder} TIMEOUT 600 ENVIRONMENT "${RDS_TEST_ENVIRONMENT}")
+  if(folder MATCHES "^(runtime|semantic|system)$")
+    add_dependencies(rds_thread_tests ${program})
+  endif()
 endforeach()
+
+# rds_add_repository_test(NAME COMMAND...): exit code 77 says that it was skipped.
+function(rds_add_repository_test name)
+  add_test(NAME repository.${name} COMMAND ${ARGN})
+  set_tests_properties(repository.${name} PROPERTIES LABELS repository SKIP_RETURN_CODE 77 TIMEOUT 600)
+endfunction()
+
+if(NOT RDS_SANITIZE)
+  find_package(Python3 3.8 REQUIRED COMPONENTS Interpreter)
+  rds_add_repository_test(layering ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/tests/layering_test.py)
+  rds_add_repository_test(test_summary ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/tests/summarize_tests_test.py)
+  rds_add_repository_test(scripts ${PROJECT_SOURCE_DIR}/tests/scripts_test.sh)
+  rds_add_repository_test(package ${PROJECT_SOURCE_DIR}/tests/package_test.sh ${CMAKE_COMMAND} ${PROJECT_BINARY_DIR})
+endif()

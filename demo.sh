@@ -1,0 +1,85 @@
+#!/usr/bin/env bash
+# RGB-D SLAM in dynamic scenes, from nothing to a trajectory.
+#
+#   ./demo.sh                        installs what is missing, builds, makes a synthetic room with people walking
+#                                    through it, and runs SLAM on it with and without semantics
+#   ./demo.sh SEQUENCE [options]     the same with a folder of yours (TUM or Bonn layout); the options are those of
+#                                    `rds run`, such as --camera FILE, --segmenter none, --video FILE.mp4
+#
+# Results are written below out/. A second call builds and makes only what changed.
+set -euo pipefail
+# shellcheck source=scripts/common.sh
+source "$(dirname "${BASH_SOURCE[0]}")/scripts/common.sh"
+RDS=$ROOT/build/release/rds
+OUT=$ROOT/out
+
+prepare() {
+  "$ROOT/scripts/install_dependencies.sh"
+  (build release rds_program)
+}
+
+# compare WITHOUT WITH: both reports side by side.
+compare() {
+  python3 - "$1" "$2" <<'PYTHON'
+import json, sys
+
+reports = [json.load(open(f"{folder}/report.json")) for folder in sys.argv[1:3]]
+
+def row(name, values, unit):
+    print(f"  {name:<34}" + "".join(f"{value:>18}" for value in values) + f"  {unit}")
+
+row("", ["without semantics", "with semantics"], "")
+row("frames tracked", [f"{r['tracked']} of {r['frames']}" for r in reports], "")
+row("absolute trajectory error (RMSE)", [f"{r['ate_m']['rmse']:.4f}" for r in reports], "m")
+row("tracking time, median", [f"{r['tracking_ms']['median']:.1f}" for r in reports], "ms a frame")
+PYTHON
+}
+
+show_files() {
+  local folder=$1
+  say "  trajectory  $folder/trajectory.txt"
+  say "  report      $folder/report.json"
+}
+
+synthetic_demo() {
+  local sequence=$OUT/demo/sequence without=$OUT/demo/without_semantics with=$OUT/demo/with_semantics
+  prepare
+  # Made again only if the program is newer.
+  if [ ! -f "$sequence/groundtruth.txt" ] || [ "$RDS" -nt "$sequence/groundtruth.txt" ]; then
+    rm -rf "$sequence"
+    "$RDS" synth --out "$sequence" --scenario walking
+  fi
+  say "" "SLAM without semantics"
+  "$RDS" run "$sequence" --out "$without" --segmenter none
+  say "" "SLAM with semantics (masks from the sequence, 200 ms late)"
+  "$RDS" run "$sequence" --out "$with" --segmenter stored --set semantic.stored.delay_ms=200 --video "$with/video.mp4"
+  say ""
+  compare "$without" "$with"
+  say "" "Without semantics:"
+  show_files "$without"
+  say "With semantics:"
+  show_files "$with"
+  say "  video       $with/video.mp4"
+}
+
+own_sequence() {
+  local sequence=$1 name option out=""
+  shift
+  [ -d "$sequence" ] || die "there is no folder $sequence (./demo.sh --help tells more)"
+  name=$(basename "$(realpath "$sequence")")
+  for option in "$@"; do
+    [[ $option == --out || $option == --out=* ]] && out=given
+  done
+  prepare
+  if [ -z "$out" ]; then
+    set -- --out "$OUT/$name" "$@"
+  fi
+  "$RDS" run "$sequence" "$@"
+}
+
+case "${1:-}" in
+  "") synthetic_demo ;;
+  -h | --help) sed -n '2,/^set/s/^# \{0,1\}//p' "${BASH_SOURCE[0]}" ;;
+  -*) die "the first argument is the folder of a sequence (try --help)" ;;
+  *) own_sequence "$@" ;;
+esac
