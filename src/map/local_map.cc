@@ -69,7 +69,7 @@ std::shared_ptr<const LocalMap> BuildLocalMap(const Map& map, KeyframeId centre,
   for (const PointId id : ids) {
     AppendPoint(map.At(id), local.get());
   }
-  const std::size_t enough_sightings = map.keyframes().size() <= 2 ? 2 : 3;
+  const std::size_t enough_sightings = map.keyframes().size() <= 2 ? 1 : 2;
   for (const KeyframeId id : chosen) {
     const Keyframe& keyframe = map.At(id);
     LocalKeyframe copy{id, keyframe.frame, keyframe.camera_from_world, keyframe.data, {}, 0};

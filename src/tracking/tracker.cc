@@ -291,6 +291,9 @@ KeyframeCandidate Tracker::MakeCandidate() const {
   candidate.reference = current_.reference;
   candidate.camera_from_reference = current_.camera_from_reference;
   candidate.points = current_.points;
+  for (const PointMatch& match : association_.dynamic) {
+    candidate.blocked.push_back(match.keypoint);
+  }
   for (const PointId id : used_ids_) {
     candidate.uses.push_back(uses_[id.index()]);
   }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/ids.h"
+#include "map/keyframe_candidate.h"
 #include "map/local_map.h"
 #include "optim/pose_optimizer.h"
 #include "semantic/moving_probability.h"
@@ -37,24 +38,6 @@ struct TrackerOptions {
 struct WorkerStatus {
   bool mapping_idle = true;
   bool segmenter_idle = false;
-};
-
-// How often a point was in view and matched since the last keyframe.
-struct PointUse {
-  PointId point;
-  int visible = 0;
-  int found = 0;
-};
-
-// A frame that is to become a keyframe.
-struct KeyframeCandidate {
-  FrameId frame;
-  double timestamp_s = 0;
-  std::shared_ptr<const FrameData> data;
-  KeyframeId reference;             // invalid for the very first
-  Rigid3 camera_from_reference;     // pose; in the world if there is no reference
-  std::vector<PointId> points;      // one for each keypoint, invalid = none
-  std::vector<PointUse> uses;       // since the keyframe before
 };
 
 // Outcome of one frame.

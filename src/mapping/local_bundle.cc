@@ -1,0 +1,156 @@
+#include "mapping/local_bundle.h"
+
+#include <algorithm>
+#include <map>
+
+namespace rds {
+namespace {
+
+// Keyframes to optimise: the centre and its best covisible ones; only labelled ones where the options ask for it and
+// enough are there.
+std::vector<KeyframeId> SelectFree(const Map& map, KeyframeId centre, bool semantics,
+                                   const LocalBundleOptions& options) {
+  std::vector<KeyframeId> all = {centre};
+  std::vector<KeyframeId> labelled;
+  for (const Covisible& edge : map.At(centre).covisible) {
+    all.push_back(edge.keyframe);
+  }
+  for (const KeyframeId id : all) {
+    if (map.At(id).IsLabelled()) {
+      labelled.push_back(id);
+    }
+  }
+  const bool filter = semantics && options.labelled_only && std::ssize(labelled) >= options.enough_labelled;
+  std::vector<KeyframeId>& chosen = filter ? labelled : all;
+  chosen.resize(std::min(chosen.size(), static_cast<std::size_t>(options.keyframes)));
+  std::ranges::sort(chosen);
+  return chosen;
+}
+
+// Other keyframes that see the points, those with most of them first.
+std::vector<KeyframeId> SelectFixed(const Map& map, const std::vector<KeyframeId>& free_keyframes,
+                                    const std::vector<PointId>& points, const LocalBundleOptions& options) {
+  std::map<KeyframeId, int> shared;
+  for (const PointId point : points) {
+    for (const Sighting& sighting : map.At(point).sightings) {
+      ++shared[sighting.keyframe];
+    }
+  }
+  for (const KeyframeId id : free_keyframes) {
+    shared.erase(id);
+  }
+  std::vector<Covisible> others;
+  for (const auto& [id, count] : shared) {
+    others.push_back({id, count});
+  }
+  std::ranges::stable_sort(others, std::greater<>(), &Covisible::shared_points);
+  others.resize(std::min(others.size(), static_cast<std::size_t>(options.fixed_keyframes)));
+  std::vector<KeyframeId> chosen;
+  for (const Covisible& other : others) {
+    chosen.push_back(other.keyframe);
+  }
+  return chosen;
+}
+
+BundleProblem::Observation ToObservation(const Map& map, const Keyframe& keyframe, std::uint32_t keypoint_index,
+                                         double weight) {
+  const Keypoint& keypoint = keyframe.data->keypoints()[keypoint_index];
+  BundleProblem::Observation observation;
+  observation.keypoint.pixel = {static_cast<double>(keypoint.x), static_cast<double>(keypoint.y)};
+  observation.keypoint.right_x = static_cast<double>(keypoint.right_x);
+  observation.keypoint.inverse_sigma2 = map.pyramid().inverse_sigma2[keypoint.octave];
+  observation.keypoint.weight = weight;
+  return observation;
+}
+
+}  // namespace
+
+LocalBundle CopyLocalBundle(const Map& map, KeyframeId centre, bool semantics,
+                            const MovingProbabilities& probabilities,
+                            const MovingProbabilityOptions& probability_options, const LocalBundleOptions& options) {
+  LocalBundle bundle;
+  const bool weighted = semantics && options.weighted;
+  const std::vector<KeyframeId> free_keyframes = SelectFree(map, centre, semantics, options);
+  for (const KeyframeId id : free_keyframes) {
+    for (const PointId point : map.At(id).points) {
+      if (point.valid()) {
+        bundle.points.push_back(point);
+      }
+    }
+  }
+  std::ranges::sort(bundle.points);
+  const auto rest = std::ranges::unique(bundle.points);
+  bundle.points.erase(rest.begin(), rest.end());
+  if (weighted) {  // a point known to move constrains nothing
+    std::erase_if(bundle.points, [&](PointId id) {
+      return StateOf(probabilities.Get(id), probability_options) == PointState::kDynamic;
+    });
+  }
+  bundle.keyframes = free_keyframes;
+  const std::vector<KeyframeId> fixed = SelectFixed(map, free_keyframes, bundle.points, options);
+  bundle.keyframes.insert(bundle.keyframes.end(), fixed.begin(), fixed.end());
+
+  std::map<KeyframeId, std::uint32_t> pose_of;
+  for (std::size_t i = 0; i < bundle.keyframes.size(); ++i) {
+    const Keyframe& keyframe = map.At(bundle.keyframes[i]);
+    bundle.problem.camera = keyframe.data->camera();
+    const bool is_root = keyframe.id == map.keyframes().front();
+    bundle.problem.poses.push_back({keyframe.camera_from_world, is_root || i >= free_keyframes.size()});
+    bundle.revisions.push_back(keyframe.pose_revision);
+    pose_of[keyframe.id] = static_cast<std::uint32_t>(i);
+  }
+  if (std::ranges::none_of(bundle.problem.poses, &BundleProblem::Pose::fixed)) {
+    bundle.problem.poses.front().fixed = true;  // the oldest of the window
+  }
+  std::vector<PointId> kept;
+  for (const PointId id : bundle.points) {
+    const MapPoint& point = map.At(id);
+    const double weight = weighted ? 1.0 - probabilities.Get(id) : 1.0;
+    const std::size_t before = bundle.problem.observations.size();
+    for (const Sighting& sighting : point.sightings) {
+      const auto pose = pose_of.find(sighting.keyframe);
+      if (pose != pose_of.end()) {
+        auto observation = ToObservation(map, map.At(sighting.keyframe), sighting.keypoint, weight);
+        observation.pose = pose->second;
+        observation.point = static_cast<std::uint32_t>(kept.size());
+        bundle.problem.observations.push_back(observation);
+      }
+    }
+    const std::size_t added = bundle.problem.observations.size() - before;
+    if (added == 0 || (added == 1 && !bundle.problem.observations.back().keypoint.HasDepth())) {
+      bundle.problem.observations.resize(before);  // its depth would be free
+    } else {
+      kept.push_back(id);
+      bundle.problem.points.push_back(point.position);
+    }
+  }
+  bundle.points = std::move(kept);
+  bundle.worthwhile = map.keyframes().size() >= 2 && !bundle.problem.points.empty() &&
+                      std::ranges::any_of(bundle.problem.poses, [](const auto& pose) { return !pose.fixed; });
+  return bundle;
+}
+
+void ApplyLocalBundle(Map& map, const LocalBundle& bundle, const BundleResult& result) {
+  for (std::size_t i = 0; i < bundle.keyframes.size(); ++i) {
+    const Keyframe* keyframe = map.Find(bundle.keyframes[i]);
+    if (keyframe != nullptr && !bundle.problem.poses[i].fixed && keyframe->pose_revision == bundle.revisions[i]) {
+      map.SetPose(keyframe->id, result.poses[i]);
+    }
+  }
+  for (std::size_t i = 0; i < bundle.problem.observations.size(); ++i) {
+    const BundleProblem::Observation& observation = bundle.problem.observations[i];
+    const PointId point = bundle.points[observation.point];
+    if (result.outlier[i] != 0 && map.Find(point) != nullptr &&
+        map.Find(bundle.keyframes[observation.pose]) != nullptr) {
+      map.RemoveSighting(point, bundle.keyframes[observation.pose]);
+    }
+  }
+  for (std::size_t i = 0; i < bundle.points.size(); ++i) {
+    if (MapPoint* point = map.Find(bundle.points[i])) {
+      point->position = result.points[i];
+      map.UpdateNormal(point->id);
+    }
+  }
+}
+
+}  // namespace rds

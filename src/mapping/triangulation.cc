@@ -1,0 +1,95 @@
+#include "mapping/triangulation.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "optim/observation.h"
+
+namespace rds {
+namespace {
+
+constexpr double kMaxParallaxCosine = 0.9998;  // about 1.15 degrees
+
+Eigen::Vector2d PixelOf(const Keypoint& keypoint) {
+  return {static_cast<double>(keypoint.x), static_cast<double>(keypoint.y)};
+}
+
+// Unit ray of a keypoint in the world frame.
+Eigen::Vector3d RayOf(const PinholeCamera& camera, const PointView& view) {
+  return (view.camera_from_world.rotation.conjugate() * camera.Unproject(PixelOf(*view.keypoint), 1.0)).normalized();
+}
+
+// Cosine of the angle under which the virtual stereo pair sees the keypoint's depth; 1 without depth.
+double StereoCosine(const PinholeCamera& camera, const Keypoint& keypoint) {
+  return keypoint.HasDepth() ? std::cos(2.0 * std::atan2(0.5 * camera.baseline_m, static_cast<double>(keypoint.depth_m)))
+                             : 1.0;
+}
+
+Eigen::Vector3d FromDepth(const PinholeCamera& camera, const PointView& view) {
+  return view.camera_from_world.Inverse() *
+         camera.Unproject(PixelOf(*view.keypoint), static_cast<double>(view.keypoint->depth_m));
+}
+
+// Midpoint of the shortest segment between the two rays.
+Eigen::Vector3d Midpoint(const Eigen::Vector3d& centre_a, const Eigen::Vector3d& ray_a, const Eigen::Vector3d& centre_b,
+                         const Eigen::Vector3d& ray_b) {
+  const Eigen::Vector3d between = centre_b - centre_a;
+  const double cosine = ray_a.dot(ray_b);
+  const double sine2 = 1.0 - cosine * cosine;
+  const double along_a = (between.dot(ray_a) - cosine * between.dot(ray_b)) / sine2;
+  const double along_b = (cosine * between.dot(ray_a) - between.dot(ray_b)) / sine2;
+  return 0.5 * (centre_a + along_a * ray_a + centre_b + along_b * ray_b);
+}
+
+bool Reprojects(const PinholeCamera& camera, const ScalePyramid& pyramid, const PointView& view,
+                const Eigen::Vector3d& point) {
+  const Eigen::Vector3d in_camera = view.camera_from_world * point;
+  if (in_camera.z() <= 0) {
+    return false;
+  }
+  const Keypoint& keypoint = *view.keypoint;
+  const Eigen::Vector2d projected = camera.Project(in_camera);
+  double error2 = (projected - PixelOf(keypoint)).squaredNorm();
+  double bound = kChi2Mono;
+  if (keypoint.HasDepth()) {
+    const double right = projected.x() - camera.Bf() / in_camera.z() - static_cast<double>(keypoint.right_x);
+    error2 += right * right;
+    bound = kChi2Depth;
+  }
+  return error2 * pyramid.inverse_sigma2[keypoint.octave] <= bound;
+}
+
+}  // namespace
+
+std::optional<Eigen::Vector3d> TriangulatePoint(const PinholeCamera& camera, const ScalePyramid& pyramid,
+                                                const PointView& a, const PointView& b) {
+  const Eigen::Vector3d centre_a = a.camera_from_world.Inverse().translation;
+  const Eigen::Vector3d centre_b = b.camera_from_world.Inverse().translation;
+  const Eigen::Vector3d ray_a = RayOf(camera, a);
+  const Eigen::Vector3d ray_b = RayOf(camera, b);
+  const double cosine = ray_a.dot(ray_b);
+  const double stereo_a = StereoCosine(camera, *a.keypoint);
+  const double stereo_b = StereoCosine(camera, *b.keypoint);
+  Eigen::Vector3d point;
+  if (cosine > 0 && cosine < std::min({stereo_a, stereo_b, kMaxParallaxCosine})) {
+    point = Midpoint(centre_a, ray_a, centre_b, ray_b);
+  } else if (stereo_a < 1.0 && stereo_a <= stereo_b) {
+    point = FromDepth(camera, a);
+  } else if (stereo_b < 1.0) {
+    point = FromDepth(camera, b);
+  } else {
+    return std::nullopt;
+  }
+  if (!point.allFinite() || !Reprojects(camera, pyramid, a, point) || !Reprojects(camera, pyramid, b, point)) {
+    return std::nullopt;
+  }
+  const double distance_ratio = (point - centre_b).norm() / (point - centre_a).norm();
+  const double octave_ratio = static_cast<double>(pyramid.scale[b.keypoint->octave] / pyramid.scale[a.keypoint->octave]);
+  const double factor = 1.5 * pyramid.factor;
+  if (distance_ratio * factor < octave_ratio || distance_ratio > octave_ratio * factor) {
+    return std::nullopt;
+  }
+  return point;
+}
+
+}  // namespace rds

@@ -1,0 +1,32 @@
+// Links between masks and map points: which points a label speaks of, and what it says.
+#pragma once
+
+#include "base/image.h"
+#include "map/map.h"
+#include "semantic/moving_probability.h"
+
+namespace rds {
+
+// Labels of keypoints under a dilated mask (255 = dynamic) of the recorded image's size.
+[[nodiscard]] std::vector<KeypointLabel> LabelKeypoints(const FrameData& data, const Image8& mask);
+
+// Map operations that carry the moving probability along. All need the door of the map.
+
+// Stores the labels and takes one Bayes step for each point that the keyframe sees. Throws InvariantError if the
+// keyframe is labelled already: the same evidence must not count twice.
+void ApplyLabels(Map& map, KeyframeId keyframe, std::vector<KeypointLabel> labels, MovingProbabilities& probabilities,
+                 const MovingProbabilityOptions& options);
+
+// Map::AddPoint; the new point starts from what the keyframe's label says of it.
+MapPoint& AddPoint(Map& map, const Eigen::Vector3d& position, KeyframeId keyframe, std::uint32_t keypoint,
+                   MovingProbabilities& probabilities, const MovingProbabilityOptions& options);
+
+// Map::AddSighting; a label that the keyframe has counts as evidence for its new point.
+bool AddSighting(Map& map, PointId point, KeyframeId keyframe, std::uint32_t keypoint,
+                 MovingProbabilities& probabilities, const MovingProbabilityOptions& options);
+
+// Map::Fuse; the evidence on both points is joined.
+void FusePoints(Map& map, PointId from, PointId to, MovingProbabilities& probabilities,
+                const MovingProbabilityOptions& options);
+
+}  // namespace rds
