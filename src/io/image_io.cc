@@ -66,6 +66,10 @@ Image16 ReadDepth(const std::filesystem::path& path) {
 
 Image8 ReadMask(const std::filesystem::path& path) {
   ImageFile file = ReadImageFile(path);
+  if (file.header.bits > 8) {
+    throw InputError(path.string() + ": a mask of " + std::to_string(file.header.bits) +
+                     " bits a channel; 8 are wanted, 0 for what does not move");
+  }
   const bool grey = file.header.channels == 1 && file.header.bits == 8;
   const Image8 raw = Decode<std::uint8_t>(path, file, grey ? cv::IMREAD_GRAYSCALE : cv::IMREAD_COLOR, grey ? 1 : 3);
   Image8 mask(raw.width, raw.height);
