@@ -1,0 +1,146 @@
+#include "cli/run_report.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <iterator>
+
+#include "base/error.h"
+#include "cli/process_info.h"
+#include "cli/statistics.h"
+
+namespace rds {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// A frame that starts later than this after it was due counts as late, in milliseconds.
+constexpr double kLate_ms = 10;
+
+std::vector<double> LabelSeries(const std::vector<LabelEvent>& labels, double LabelEvent::*member) {
+  std::vector<double> values;
+  std::transform(labels.begin(), labels.end(), std::back_inserter(values),
+                 [member](const LabelEvent& label) { return label.*member; });
+  return values;
+}
+
+Json SemanticReport(const RunDescription& description, const PlaybackResult& playback) {
+  std::vector<double> delays;
+  for (const FrameResult& frame : playback.frames) {
+    if (frame.semantic_delay_frames) {
+      delays.push_back(*frame.semantic_delay_frames);
+    }
+  }
+  const SlamResult& slam = playback.slam;
+  std::vector<double> optimisation_ms = LabelSeries(slam.labels, &LabelEvent::optimisation_ms);
+  std::erase(optimisation_ms, 0.0);  // none was due
+  Json report;
+  report["segmenter"] = description.segmenter;
+  report["keyframes_labelled"] = slam.labels.size();
+  report["keyframes_left_unlabelled"] = slam.keyframes_left_unlabelled;
+  report["failures"] = slam.segmentation_failures;
+  report["delay_frames"] = ToJson(Summarize(delays));
+  report["segmentation_ms"] = ToJson(Summarize(LabelSeries(slam.labels, &LabelEvent::segmentation_ms)));
+  report["mask_ms"] = ToJson(Summarize(LabelSeries(slam.labels, &LabelEvent::mask_ms)));
+  report["update_ms"] = ToJson(Summarize(LabelSeries(slam.labels, &LabelEvent::update_ms)));
+  report["optimisation_ms"] = ToJson(Summarize(optimisation_ms));
+  report["static_points"] = slam.static_points;
+  report["unknown_points"] = slam.unknown_points;
+  report["dynamic_points"] = slam.dynamic_points;
+  return report;
+}
+
+}  // namespace
+
+std::vector<double> TimingSeries(const std::vector<FrameResult>& frames, double FrameTiming::*member) {
+  std::vector<double> values;
+  std::transform(frames.begin(), frames.end(), std::back_inserter(values),
+                 [member](const FrameResult& frame) { return frame.timing.*member; });
+  return values;
+}
+
+Json CpuReport(const PlaybackResult& playback, double other_cpu_s) {
+  if (playback.frames.empty()) {
+    return nullptr;
+  }
+  const double per_frame_ms = 1e3 / static_cast<double>(playback.frames.size());
+  Json report;
+  report["all_threads"] = (playback.cpu_s - playback.reading_cpu_s - other_cpu_s) * per_frame_ms;
+  report["tracking_thread"] = Summarize(TimingSeries(playback.frames, &FrameTiming::cpu_ms)).mean;
+  report["reading_images"] = playback.reading_cpu_s * per_frame_ms;
+  return report;
+}
+
+Json RunReport(const RunDescription& description, const PlaybackResult& playback) {
+  const SlamResult& slam = playback.slam;
+  Json report;
+  report["sequence"] = description.sequence;
+  report["rate"] = description.rate;
+  report["lockstep"] = description.lockstep;
+  report["interrupted"] = playback.interrupted;
+  report["frames"] = playback.frames.size();
+  report["tracked"] = slam.tracked_frames;
+  report["lost"] = slam.lost_frames;
+  report["late"] = std::count_if(playback.lateness_ms.begin(), playback.lateness_ms.end(),
+                                 [](double late_ms) { return late_ms > kLate_ms; });
+  report["keyframes"] = slam.keyframes.size();
+  report["map_points"] = slam.map.points.size();
+  report["start_up_s"] =
+      playback.first_pose_after_s ? Json(description.started_after_s + *playback.first_pose_after_s) : Json(nullptr);
+  report["tracking_ms"] = ToJson(Summarize(TimingSeries(playback.frames, &FrameTiming::total_ms)));
+  report["tracking_parts_ms"] = {
+      {"extraction", ToJson(Summarize(TimingSeries(playback.frames, &FrameTiming::extraction_ms)))},
+      {"matching", ToJson(Summarize(TimingSeries(playback.frames, &FrameTiming::matching_ms)))},
+      {"pose", ToJson(Summarize(TimingSeries(playback.frames, &FrameTiming::pose_ms)))},
+      {"local_map", ToJson(Summarize(TimingSeries(playback.frames, &FrameTiming::local_map_ms)))}};
+  report["cpu_ms_per_frame"] = CpuReport(playback, 0);
+  report["local_ba_ms"] = ToJson(Summarize(slam.local_ba_ms));
+  report["lateness_ms"] = ToJson(Summarize(playback.lateness_ms));
+  report["peak_memory_mb"] = PeakMemoryMb();
+  report["wall_s"] = playback.wall_s;
+  report["semantics"] = SemanticReport(description, playback);
+  return report;
+}
+
+std::string ToString(TrackingState state) {
+  switch (state) {
+    case TrackingState::kNotInitialized:
+      return "not_initialized";
+    case TrackingState::kTracked:
+      return "tracked";
+    case TrackingState::kLost:
+      return "lost";
+  }
+  throw InvariantError("unknown tracking state");
+}
+
+std::string FramesCsv(const PlaybackResult& playback) {
+  Check(playback.frames.size() == playback.lateness_ms.size(), "a lateness for each frame");
+  std::string csv =
+      "frame,timestamp_s,state,total_ms,extraction_ms,matching_ms,pose_ms,local_map_ms,cpu_ms,static_matches,"
+      "unknown_matches,rejected_matches,keyframe,semantic_delay_frames,lateness_ms\n";
+  for (std::size_t i = 0; i < playback.frames.size(); ++i) {
+    const FrameResult& frame = playback.frames[i];
+    const FrameTiming& timing = frame.timing;
+    csv += fmt::format("{},{:.6f},{},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},{},{},{},{},{},{:.3f}\n",
+                       frame.frame.value, frame.timestamp_s, ToString(frame.state), timing.total_ms,
+                       timing.extraction_ms, timing.matching_ms, timing.pose_ms, timing.local_map_ms, timing.cpu_ms,
+                       frame.static_matches, frame.unknown_matches, frame.rejected_matches, frame.is_keyframe ? 1 : 0,
+                       frame.semantic_delay_frames ? std::to_string(*frame.semantic_delay_frames) : "",
+                       playback.lateness_ms[i]);
+  }
+  return csv;
+}
+
+std::string SemanticsCsv(const std::vector<LabelEvent>& labels) {
+  std::string csv = "labelled_frame,current_frame,delay_frames,segmentation_ms,mask_ms,update_ms,optimisation_ms\n";
+  for (const LabelEvent& label : labels) {
+    const auto delay =
+        static_cast<std::int64_t>(label.current_frame.value) - static_cast<std::int64_t>(label.labelled_frame.value);
+    csv += fmt::format("{},{},{},{:.3f},{:.3f},{:.3f},{:.3f}\n", label.labelled_frame.value, label.current_frame.value,
+                       delay, label.segmentation_ms, label.mask_ms, label.update_ms, label.optimisation_ms);
+  }
+  return csv;
+}
+
+}  // namespace rds
