@@ -1,0 +1,100 @@
+#include "cli/ablation.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <array>
+
+namespace rds {
+namespace {
+
+using Cells = std::vector<std::string>;
+
+const Cells kHeadings = {"variant",   "tracked",  "ATE RMSE [m]",   "RPE 1 s [m]",
+                         "keyframes", "labelled", "delay [frames]", "tracking [ms]"};
+
+std::string Optional(const std::optional<double>& value, int digits) {
+  return value ? fmt::format("{:.{}f}", *value, digits) : "-";
+}
+
+Cells CellsOf(const AblationRow& row) {
+  return {row.name,
+          fmt::format("{}/{}", row.tracked, row.frames),
+          Optional(row.ate_rmse_m, 4),
+          Optional(row.rpe_rmse_m, 4),
+          fmt::format("{}", row.keyframes),
+          fmt::format("{}", row.labelled),
+          Optional(row.delay_median_frames, 1),
+          fmt::format("{:.2f}", row.tracking_median_ms)};
+}
+
+nlohmann::ordered_json Nullable(const std::optional<double>& value) {
+  return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
+}
+
+}  // namespace
+
+std::span<const AblationVariant> AblationVariants() {
+  static const std::array variants = {
+      AblationVariant{"whole", "everything as by default", {}},
+      AblationVariant{"no semantics", "no segmentation at all", {}, false},
+  };
+  return variants;
+}
+
+std::string AblationText(const std::vector<AblationRow>& rows) {
+  std::vector<Cells> lines = {kHeadings};
+  std::transform(rows.begin(), rows.end(), std::back_inserter(lines), CellsOf);
+  std::vector<std::size_t> widths(kHeadings.size(), 0);
+  for (const Cells& line : lines) {
+    for (std::size_t i = 0; i < line.size(); ++i) {
+      widths[i] = std::max(widths[i], line[i].size());
+    }
+  }
+  std::string text;
+  for (const Cells& line : lines) {
+    text += fmt::format("{:<{}}", line[0], widths[0]);
+    for (std::size_t i = 1; i < line.size(); ++i) {
+      text += fmt::format("  {:>{}}", line[i], widths[i]);
+    }
+    text += '\n';
+  }
+  return text;
+}
+
+std::string AblationMarkdown(const std::vector<AblationRow>& rows) {
+  const auto row_text = [](const Cells& cells) { return fmt::format("| {} |\n", fmt::join(cells, " | ")); };
+  std::string text = row_text(kHeadings);
+  text += "|---|";
+  for (std::size_t i = 1; i < kHeadings.size(); ++i) {
+    text += "---:|";
+  }
+  text += '\n';
+  for (const AblationRow& row : rows) {
+    text += row_text(CellsOf(row));
+  }
+  text += '\n';
+  for (const AblationRow& row : rows) {
+    text += fmt::format("- {}: {}.\n", row.name, row.meaning);
+  }
+  return text;
+}
+
+nlohmann::ordered_json AblationJson(const std::vector<AblationRow>& rows) {
+  auto json = nlohmann::ordered_json::array();
+  for (const AblationRow& row : rows) {
+    json.push_back({{"variant", row.name},
+                    {"meaning", row.meaning},
+                    {"frames", row.frames},
+                    {"tracked", row.tracked},
+                    {"ate_rmse_m", Nullable(row.ate_rmse_m)},
+                    {"rpe_rmse_m", Nullable(row.rpe_rmse_m)},
+                    {"keyframes", row.keyframes},
+                    {"labelled", row.labelled},
+                    {"delay_median_frames", Nullable(row.delay_median_frames)},
+                    {"tracking_median_ms", row.tracking_median_ms}});
+  }
+  return json;
+}
+
+}  // namespace rds

@@ -1,0 +1,40 @@
+// What looks on while a sequence is played: the progress display and the video.
+#pragma once
+
+#include <memory>
+
+#include "base/time.h"
+#include "cli/playback.h"
+#include "cli/progress.h"
+#include "io/video.h"
+
+namespace rds {
+
+// Feeds a Progress.
+class ProgressObserver final : public PlaybackObserver {
+ public:
+  explicit ProgressObserver(Progress& progress) : progress_(progress) {}
+  void AfterFrame(const RgbdFrame& /*frame*/, const FrameResult& result, const Slam& /*slam*/) override {
+    progress_.Update(result, watch_.Seconds());
+  }
+
+ private:
+  Progress& progress_;
+  Stopwatch watch_;
+};
+
+// Feeds a VideoRecorder: hands the image over and, now and then, a copy of the map; draws nothing itself.
+class VideoObserver final : public PlaybackObserver {
+ public:
+  explicit VideoObserver(VideoRecorder& recorder) : recorder_(recorder) {}
+  void AfterFrame(const RgbdFrame& frame, const FrameResult& result, const Slam& slam) override;
+
+ private:
+  VideoRecorder& recorder_;
+  FrameRateMeter rate_;
+  Stopwatch watch_;
+  std::shared_ptr<const MapView> map_;
+  int frames_since_map_ = 0;
+};
+
+}  // namespace rds

@@ -1,0 +1,32 @@
+// The yardstick that makes times on different machines comparable: OpenCV's ORB on the same images in the same run.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "cli/playback.h"
+
+namespace rds {
+
+// Times cv::ORB (1000 features, 8 levels, factor 1.2, the calling thread only) on each frame's grey image, just before
+// the frame is tracked. The conversion to grey is not part of it.
+class Yardstick final : public PlaybackObserver {
+ public:
+  Yardstick();
+  ~Yardstick() override;
+  Yardstick(const Yardstick&) = delete;
+  Yardstick& operator=(const Yardstick&) = delete;
+
+  void BeforeFrame(const RgbdFrame& frame) override;
+
+  // Wall time for each frame.
+  [[nodiscard]] const std::vector<double>& times_ms() const;
+  // CPU time of all that BeforeFrame did.
+  [[nodiscard]] double cpu_s() const;
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace rds
