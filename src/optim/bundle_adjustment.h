@@ -12,7 +12,9 @@
 
 namespace rds {
 
-// A self-contained copy of the part of a map to be optimised.
+// A self-contained copy of the part of a map to be optimised. Points and poses without observations are left alone, so
+// are observations of weight 0. If no pose is fixed, the first one is held nevertheless: without one the solution could
+// drift anywhere.
 struct BundleProblem {
   struct Pose {
     Rigid3 camera_from_world;
@@ -31,24 +33,26 @@ struct BundleProblem {
 };
 
 struct BundleOptions {
-  int robust_iterations = 5;   // with the Huber kernel on everything
-  int final_iterations = 5;    // without the outliers found by then; 0 = skip
+  int robust_iterations = 5;    // with the Huber kernel on everything
+  int final_iterations = 5;     // without the outliers found by then; 0 = skip
   double huber_mono = 2.4477;   // sqrt(5.991), px
   double huber_depth = 2.7955;  // sqrt(7.815), px
 };
 
 struct BundleResult {
-  std::vector<Rigid3> poses;             // camera_from_world, as in the problem; fixed ones unchanged
-  std::vector<Eigen::Vector3d> points;   // in the world frame
-  std::vector<std::uint8_t> outlier;     // one for each observation: chi2 above the 95 % quantile or behind the camera
-  bool usable = false;                   // false: nothing to optimise, the solver failed or was stopped before one step
-  int iterations = 0;
-  double initial_cost = 0;
-  double final_cost = 0;
+  std::vector<Rigid3> poses;            // camera_from_world, as in the problem; fixed ones unchanged
+  std::vector<Eigen::Vector3d> points;  // in the world frame
+  std::vector<std::uint8_t> outlier;    // one for each observation: chi2 above the 95 % quantile or behind the camera
+  bool usable = false;                  // false: nothing to optimise, the solver failed or was stopped before one step
+  int iterations = 0;                   // of both stages
+  double initial_cost = 0;              // half the sum of squares, with the Huber kernel on everything
+  double final_cost = 0;                // of the last stage, without the outliers then known
 };
 
-// Solves on the calling thread (deterministic). `stop` is polled between iterations; when it returns true the best
-// state so far is returned. Re-entrant. Throws InvariantError on indices out of range.
+// Levenberg-Marquardt with the points eliminated first (Triggs et al., "Bundle adjustment: a modern synthesis", 1999),
+// as local bundle adjustment in ORB-SLAM (Mur-Artal et al., T-RO 2015, section VI). Solves on the calling thread
+// (deterministic). `stop` is polled between iterations; when it returns true the best state so far is returned.
+// Re-entrant. Throws InvariantError on indices out of range.
 [[nodiscard]] BundleResult AdjustBundle(const BundleProblem& problem, const BundleOptions& options = {},
                                         const std::function<bool()>& stop = {});
 

@@ -27,7 +27,7 @@ struct PoseResult {
   Rigid3 camera_from_world;
   std::vector<std::uint8_t> inlier;  // one for each observation, 1 = its unweighted chi2 is below the 95 % quantile
   int inliers = 0;
-  bool converged = false;            // false: fewer than 3 inliers or a singular system; the pose is the initial one
+  bool converged = false;  // false: fewer than 3 inliers or a singular system; the pose is the initial one
   Eigen::Matrix<double, 6, 6> information = Eigen::Matrix<double, 6, 6>::Zero();  // J^T W J at the end, (t, w) order
 };
 
