@@ -34,6 +34,8 @@ THREADS_ALLOWED = {
     "semantic/stored_segmenter.cc": "stands in for a slow network: it waits",
     "semantic/stored_segmenter.h": "stands in for a slow network: it waits",
     "semantic/openvino_segmenter.cc": "a back end guards its own runtime",
+    "semantic/faulty_segmenter.h": "stands in for a network that fails: it waits",
+    "cli/playback.cc": "plays a recording at its recorded times",
 }
 
 
@@ -105,7 +107,8 @@ class Repository(unittest.TestCase):
     def test_follows_the_rules(self):
         self.assertTrue(SOURCE.is_dir())
         found = violations(SOURCE)
-        self.assertFalse(found, "\n" + "\n".join(found))
+        if found:
+            self.fail("\n" + "\n".join(found))
 
 
 class Checker(unittest.TestCase):
