@@ -1,10 +1,12 @@
 #include "cli/bench_report.h"
 
 #include <algorithm>
+#include <span>
 
 #include "base/error.h"
 #include "cli/process_info.h"
-#include "cli/statistics.h"
+#include "cli/series_json.h"
+#include "eval/statistics.h"
 
 namespace rds {
 namespace {
@@ -23,15 +25,15 @@ Json Growth(const std::vector<double>& tracking_ms) {
   if (count == 0) {
     return nullptr;
   }
-  const auto length = static_cast<std::ptrdiff_t>(count);
-  const double first = Summarize({tracking_ms.begin(), tracking_ms.begin() + length}).median;
-  const double last = Summarize({tracking_ms.end() - length, tracking_ms.end()}).median;
+  const std::span<const double> all(tracking_ms);
+  const double first = Summarise(all.first(count)).median;
+  const double last = Summarise(all.last(count)).median;
   return {{"frames", count}, {"first_ms", first}, {"last_ms", last}, {"ratio", Ratio(last, first)}};
 }
 
 // Parts of the mean tracking time.
 Json Shares(const std::vector<FrameResult>& frames) {
-  const auto mean = [&frames](double FrameTiming::*member) { return Summarize(TimingSeries(frames, member)).mean; };
+  const auto mean = [&frames](double FrameTiming::*member) { return Summarise(TimingSeries(frames, member)).mean; };
   const double total = mean(&FrameTiming::total_ms);
   const double extraction = mean(&FrameTiming::extraction_ms);
   const double matching = mean(&FrameTiming::matching_ms);
@@ -50,21 +52,19 @@ Json BenchReport(const RunDescription& description, const PlaybackResult& playba
                  const std::vector<double>& yardstick_ms, double yardstick_cpu_s) {
   Check(yardstick_ms.size() == playback.frames.size(), "a yardstick time for each frame");
   const std::vector<double> tracking_ms = TimingSeries(playback.frames, &FrameTiming::total_ms);
-  const Summary tracking = Summarize(tracking_ms);
-  const Summary yardstick = Summarize(yardstick_ms);
   Json report;
   report["sequence"] = description.sequence;
   report["segmenter"] = description.segmenter;
   report["rate"] = description.rate;
   report["frames"] = playback.frames.size();
   report["tracked"] = playback.slam.tracked_frames;
-  report["yardstick_ms"] = ToJson(yardstick);
-  report["tracking_ms"] = ToJson(tracking);
-  report["ratio"] = Ratio(tracking.median, yardstick.median);
+  report["yardstick_ms"] = SeriesJson(yardstick_ms);
+  report["tracking_ms"] = SeriesJson(tracking_ms);
+  report["ratio"] = Ratio(Summarise(tracking_ms).median, Summarise(yardstick_ms).median);
   report["shares"] = Shares(playback.frames);
   report["growth"] = Growth(tracking_ms);
   report["cpu_ms_per_frame"] = CpuReport(playback, yardstick_cpu_s);
-  report["lateness_ms"] = ToJson(Summarize(playback.lateness_ms));
+  report["lateness_ms"] = SeriesJson(playback.lateness_ms);
   report["peak_memory_mb"] = PeakMemoryMb();
   report["interrupted"] = playback.interrupted;
   return report;

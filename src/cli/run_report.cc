@@ -7,7 +7,8 @@
 
 #include "base/error.h"
 #include "cli/process_info.h"
-#include "cli/statistics.h"
+#include "cli/series_json.h"
+#include "eval/statistics.h"
 
 namespace rds {
 namespace {
@@ -39,11 +40,11 @@ Json SemanticReport(const RunDescription& description, const PlaybackResult& pla
   report["keyframes_labelled"] = slam.labels.size();
   report["keyframes_left_unlabelled"] = slam.keyframes_left_unlabelled;
   report["failures"] = slam.segmentation_failures;
-  report["delay_frames"] = ToJson(Summarize(delays));
-  report["segmentation_ms"] = ToJson(Summarize(LabelSeries(slam.labels, &LabelEvent::segmentation_ms)));
-  report["mask_ms"] = ToJson(Summarize(LabelSeries(slam.labels, &LabelEvent::mask_ms)));
-  report["update_ms"] = ToJson(Summarize(LabelSeries(slam.labels, &LabelEvent::update_ms)));
-  report["optimisation_ms"] = ToJson(Summarize(optimisation_ms));
+  report["delay_frames"] = SeriesJson(delays);
+  report["segmentation_ms"] = SeriesJson(LabelSeries(slam.labels, &LabelEvent::segmentation_ms));
+  report["mask_ms"] = SeriesJson(LabelSeries(slam.labels, &LabelEvent::mask_ms));
+  report["update_ms"] = SeriesJson(LabelSeries(slam.labels, &LabelEvent::update_ms));
+  report["optimisation_ms"] = SeriesJson(optimisation_ms);
   report["static_points"] = slam.static_points;
   report["unknown_points"] = slam.unknown_points;
   report["dynamic_points"] = slam.dynamic_points;
@@ -66,7 +67,7 @@ Json CpuReport(const PlaybackResult& playback, double other_cpu_s) {
   const double per_frame_ms = 1e3 / static_cast<double>(playback.frames.size());
   Json report;
   report["all_threads"] = (playback.cpu_s - playback.reading_cpu_s - other_cpu_s) * per_frame_ms;
-  report["tracking_thread"] = Summarize(TimingSeries(playback.frames, &FrameTiming::cpu_ms)).mean;
+  report["tracking_thread"] = Summarise(TimingSeries(playback.frames, &FrameTiming::cpu_ms)).mean;
   report["reading_images"] = playback.reading_cpu_s * per_frame_ms;
   return report;
 }
@@ -87,15 +88,14 @@ Json RunReport(const RunDescription& description, const PlaybackResult& playback
   report["map_points"] = slam.map.points.size();
   report["start_up_s"] =
       playback.first_pose_after_s ? Json(description.started_after_s + *playback.first_pose_after_s) : Json(nullptr);
-  report["tracking_ms"] = ToJson(Summarize(TimingSeries(playback.frames, &FrameTiming::total_ms)));
-  report["tracking_parts_ms"] = {
-      {"extraction", ToJson(Summarize(TimingSeries(playback.frames, &FrameTiming::extraction_ms)))},
-      {"matching", ToJson(Summarize(TimingSeries(playback.frames, &FrameTiming::matching_ms)))},
-      {"pose", ToJson(Summarize(TimingSeries(playback.frames, &FrameTiming::pose_ms)))},
-      {"local_map", ToJson(Summarize(TimingSeries(playback.frames, &FrameTiming::local_map_ms)))}};
+  report["tracking_ms"] = SeriesJson(TimingSeries(playback.frames, &FrameTiming::total_ms));
+  report["tracking_parts_ms"] = {{"extraction", SeriesJson(TimingSeries(playback.frames, &FrameTiming::extraction_ms))},
+                                 {"matching", SeriesJson(TimingSeries(playback.frames, &FrameTiming::matching_ms))},
+                                 {"pose", SeriesJson(TimingSeries(playback.frames, &FrameTiming::pose_ms))},
+                                 {"local_map", SeriesJson(TimingSeries(playback.frames, &FrameTiming::local_map_ms))}};
   report["cpu_ms_per_frame"] = CpuReport(playback, 0);
-  report["local_ba_ms"] = ToJson(Summarize(slam.local_ba_ms));
-  report["lateness_ms"] = ToJson(Summarize(playback.lateness_ms));
+  report["local_ba_ms"] = SeriesJson(slam.local_ba_ms);
+  report["lateness_ms"] = SeriesJson(playback.lateness_ms);
   report["peak_memory_mb"] = PeakMemoryMb();
   report["wall_s"] = playback.wall_s;
   report["semantics"] = SemanticReport(description, playback);

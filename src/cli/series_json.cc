@@ -1,0 +1,18 @@
+#include "cli/series_json.h"
+
+#include "eval/statistics.h"
+
+namespace rds {
+
+nlohmann::ordered_json SeriesJson(std::span<const double> values) {
+  if (values.empty()) {
+    return nullptr;
+  }
+  const Statistics statistics = Summarise(values);
+  return {{"median", statistics.median},
+          {"mean", statistics.mean},
+          {"p95", Percentile(values, 95)},
+          {"max", statistics.max}};
+}
+
+}  // namespace rds
