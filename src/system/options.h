@@ -7,21 +7,46 @@
 #include <string_view>
 
 #include "feature/orb.h"
-#include "optim/bundle_adjustment.h"
+#include "map/local_map.h"
+#include "mapping/local_mapper.h"
 #include "optim/pose_optimizer.h"
+#include "semantic/backlog.h"
+#include "semantic/moving_probability.h"
+#include "semantic/semantic_optimizer.h"
 #include "system/option_table.h"
+#include "tracking/tracker.h"
 
 namespace rds {
 
 struct SystemOptions {
-  bool lockstep = false;       // one thread, fixed order, same bytes every time
-  bool keep_features = false;  // fill FrameResult::features, for drawing
+  bool lockstep = false;          // one thread, fixed order, same bytes every time
+  bool keep_features = false;     // fill FrameResult::features, for drawing
+  bool wait_for_mapping = false;  // Process waits for room in mapping's queue (frames faster than real time)
+  int keyframe_queue = 3;         // keyframes that may wait for mapping
+};
+
+struct SemanticOptions {
+  SelectionMode selection = SelectionMode::kBidirectional;
+  int per_round = 2;              // keyframes selected in a round
+  bool batch = true;              // in one request, or one by one
+  int backlog = 60;               // images of unlabelled keyframes kept at most
+  int dilation_px = 15;           // radius at an image width of 640
+  double max_mask_share = 0.95;   // a mask that covers more says nothing
+  double finish_timeout_s = 5;    // for labels still missing when the sequence ends
+  double cancel_timeout_s = 2;    // for a back end to give up when asked to
+  int lockstep_delay_frames = 6;  // lockstep: frames between a request and its labels
+  MovingProbabilityOptions probability;
+  SemanticOptimizerOptions optimizer;
 };
 
 struct Options {
   SystemOptions system;
   OrbOptions orb;
   PoseOptimizerOptions pose;
+  TrackerOptions tracking;
+  LocalMapOptions local_map;
+  MappingOptions mapping;
+  SemanticOptions semantic;
 };
 
 // The table of all options, bound to `options`, which must outlive it. The order is the order of printing; keys with

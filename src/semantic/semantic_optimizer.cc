@@ -1,0 +1,65 @@
+#include "semantic/semantic_optimizer.h"
+
+#include <numbers>
+
+namespace rds {
+
+std::optional<SemanticPoseProblem> CopyStaticMatches(const Map& map, KeyframeId id,
+                                                     const MovingProbabilities& probabilities,
+                                                     const MovingProbabilityOptions& probability_options,
+                                                     const SemanticOptimizerOptions& options) {
+  const Keyframe* keyframe = map.Find(id);
+  if (keyframe == nullptr || id == map.keyframes().front()) {  // the root defines the world
+    return std::nullopt;
+  }
+  SemanticPoseProblem problem{id, keyframe->pose_revision, keyframe->data->camera(), keyframe->camera_from_world, {}};
+  for (std::size_t i = 0; i < keyframe->points.size(); ++i) {
+    if (!keyframe->points[i].valid()) {
+      continue;
+    }
+    const MapPoint& point = map.At(keyframe->points[i]);
+    const double p = probabilities.Get(point.id);
+    // A point that only this keyframe sees says nothing about its pose.
+    if (point.sightings.size() < 2 || StateOf(p, probability_options) != PointState::kStatic) {
+      continue;
+    }
+    const Keypoint& keypoint = keyframe->data->keypoints()[i];
+    PoseObservation observation;
+    observation.point_in_world = point.position;
+    observation.keypoint.pixel = {static_cast<double>(keypoint.x), static_cast<double>(keypoint.y)};
+    observation.keypoint.right_x = static_cast<double>(keypoint.right_x);
+    observation.keypoint.inverse_sigma2 = map.pyramid().inverse_sigma2[keypoint.octave];
+    observation.keypoint.weight = 1.0 - p;
+    problem.observations.push_back(observation);
+  }
+  if (std::ssize(problem.observations) < options.min_static) {
+    return std::nullopt;
+  }
+  return problem;
+}
+
+bool ApplySemanticPose(Map& map, const SemanticPoseProblem& problem, const PoseResult& result,
+                       const SemanticOptimizerOptions& options) {
+  Keyframe* keyframe = map.Find(problem.keyframe);
+  if (keyframe == nullptr || keyframe->pose_revision != problem.revision || !result.converged ||
+      result.inliers < options.min_static) {
+    return false;
+  }
+  const Rigid3 new_world_from_old_world = result.camera_from_world.Inverse() * problem.camera_from_world;
+  const double turn_deg = AngleOf(new_world_from_old_world.rotation) * 180.0 / std::numbers::pi;
+  const double shift_m = (result.camera_from_world.Inverse().translation - keyframe->CameraCentre()).norm();
+  if (shift_m < options.min_shift_m && turn_deg < options.min_turn_deg) {
+    return false;
+  }
+  map.SetPose(keyframe->id, result.camera_from_world);
+  for (const PointId id : keyframe->points) {
+    if (id.valid() && map.At(id).sightings.size() == 1) {
+      MapPoint& point = map.At(id);
+      point.position = new_world_from_old_world * point.position;
+      map.UpdateNormal(id);
+    }
+  }
+  return true;
+}
+
+}  // namespace rds

@@ -1,0 +1,212 @@
+#include "system/pipeline.h"
+
+#include <algorithm>
+#include <exception>
+#include <utility>
+
+#include "base/log.h"
+#include "base/time.h"
+#include "semantic/evidence.h"
+#include "semantic/mask.h"
+
+namespace rds {
+namespace {
+
+// The keyframe made from a frame, if it is in the map.
+const Keyframe* FindByFrame(const Map& map, FrameId frame) {
+  const auto& ids = map.keyframes();
+  const auto place =
+      std::ranges::lower_bound(ids, frame, {}, [&](KeyframeId id) { return map.At(id).frame; });
+  return place != ids.end() && map.At(*place).frame == frame ? &map.At(*place) : nullptr;
+}
+
+}  // namespace
+
+Pipeline::Pipeline(const Options& options, const ScalePyramid& pyramid, std::shared_ptr<Segmenter> segmenter)
+    : options_(options),
+      pyramid_(pyramid),
+      segmenter_(std::move(segmenter)),
+      mapper_(options.mapping, options.semantic.probability, probabilities_),
+      world_(pyramid) {}
+
+void Pipeline::PublishAround(KeyframeId keyframe) {
+  local_map_.Publish(
+      world_.Read([&](const World& world) { return BuildLocalMap(world.map, keyframe, options_.local_map); }));
+}
+
+void Pipeline::MapKeyframe(const KeyframeCandidate& candidate, const std::function<bool()>& hurry) {
+  const KeyframeId id = world_.Write([&](World& world) {
+    const KeyframeId inserted = mapper_.Insert(world.map, candidate);
+    if (const auto early = world.early_labels.extract(candidate.frame)) {
+      ApplyLabels(world.map, inserted, std::move(early.mapped()), probabilities_, options_.semantic.probability);
+    }
+    return inserted;
+  });
+  PublishAround(id);
+  world_.Write([&](World& world) { mapper_.Refine(world.map, id); });
+  if (!hurry()) {
+    AdjustLocally(id, hurry);
+    world_.Write([&](World& world) { mapper_.CullKeyframes(world.map, id); });
+  }
+  PublishAround(id);
+}
+
+void Pipeline::AdjustLocally(KeyframeId keyframe, const std::function<bool()>& hurry) {
+  const Stopwatch watch;
+  const LocalBundle bundle = world_.Read([&](const World& world) {
+    return CopyLocalBundle(world.map, keyframe, HasSegmenter(), probabilities_, options_.semantic.probability,
+                           options_.mapping.bundle);
+  });
+  if (!bundle.worthwhile) {
+    return;
+  }
+  const BundleResult result = AdjustBundle(bundle.problem, options_.mapping.bundle.solver, hurry);
+  if (result.usable) {
+    world_.Write([&](World& world) { ApplyLocalBundle(world.map, bundle, result); });
+  }
+  figures_.Write([&](Figures& figures) { figures.local_ba_ms.push_back(watch.Milliseconds()); });
+}
+
+LabelledRound Pipeline::Segment(std::vector<BacklogItem> items) {
+  LabelledRound round;
+  std::vector<SegmentationInput> inputs;
+  for (const BacklogItem& item : items) {
+    inputs.push_back({item.frame, item.timestamp_s, item.image});
+  }
+  round.items = std::move(items);
+  Stopwatch watch;
+  try {
+    round.masks = segmenter_->Segment(inputs);
+  } catch (const std::exception& error) {
+    ++round.failures;
+    log::warn("segmentation failed ({}): {}; going on without this label", segmenter_->Name(), error.what());
+  }
+  round.segmentation_ms = watch.Milliseconds();
+  watch.Restart();
+  round.masks.resize(round.items.size());
+  for (std::size_t i = 0; i < round.items.size(); ++i) {
+    Image8& mask = round.masks[i];
+    if (mask.empty()) {
+      continue;
+    }
+    const Image8& image = *round.items[i].image;
+    if (const auto problem = MaskProblem(mask, image.width, image.height, options_.semantic.max_mask_share)) {
+      ++round.failures;
+      log::warn("unusable mask of frame {} ({}): {}", round.items[i].frame.value, segmenter_->Name(), *problem);
+      mask = {};
+    } else {
+      mask = Dilate(mask, DilationRadius(image.width, options_.semantic.dilation_px));
+    }
+    round.items[i].image.reset();  // used up
+  }
+  round.mask_ms = watch.Milliseconds();
+  return round;
+}
+
+void Pipeline::ApplyRound(const LabelledRound& round) {
+  for (std::size_t i = 0; i < round.items.size(); ++i) {
+    const BacklogItem& item = round.items[i];
+    if (round.masks[i].empty()) {
+      continue;
+    }
+    Stopwatch watch;
+    std::vector<KeypointLabel> labels = LabelKeypoints(*item.data, round.masks[i]);
+    world_.Write([&](World& world) {
+      if (const Keyframe* keyframe = FindByFrame(world.map, item.frame)) {
+        ApplyLabels(world.map, keyframe->id, std::move(labels), probabilities_, options_.semantic.probability);
+      } else if (world.map.keyframes().empty() || world.map.At(world.map.newest()).frame < item.frame) {
+        world.early_labels[item.frame] = std::move(labels);  // mapping has not come to it yet
+      }
+    });
+    LabelEvent event{item.frame, FrameId{current_frame_.load(std::memory_order_relaxed)}, round.segmentation_ms,
+                     round.mask_ms, watch.Milliseconds(), 0};
+    if (newest_labelled() < static_cast<std::int64_t>(item.frame.value)) {
+      newest_labelled_.store(item.frame.value, std::memory_order_relaxed);
+      mask_.Publish(std::make_shared<const MaskView>(
+          MaskView{item.frame, std::make_shared<const Image8>(round.masks[i])}));
+    }
+    if (item.from_front && options_.semantic.optimizer.enabled) {
+      watch.Restart();
+      OptimizeSemantically(item.frame);
+      event.optimisation_ms = watch.Milliseconds();
+    }
+    figures_.Write([&](Figures& figures) { figures.labels.push_back(event); });
+  }
+  figures_.Write([&](Figures& figures) { figures.segmentation_failures += round.failures; });
+}
+
+void Pipeline::OptimizeSemantically(FrameId frame) {
+  const auto problem = world_.Read([&](const World& world) -> std::optional<SemanticPoseProblem> {
+    const Keyframe* keyframe = FindByFrame(world.map, frame);
+    if (keyframe == nullptr) {
+      return std::nullopt;
+    }
+    return CopyStaticMatches(world.map, keyframe->id, probabilities_, options_.semantic.probability,
+                             options_.semantic.optimizer);
+  });
+  if (problem) {
+    const PoseResult result =
+        OptimizePose(problem->camera, problem->camera_from_world, problem->observations, options_.pose);
+    world_.Write(
+        [&](World& world) { return ApplySemanticPose(world.map, *problem, result, options_.semantic.optimizer); });
+  }
+}
+
+void Pipeline::CancelSegmenter() {
+  if (segmenter_) {
+    segmenter_->Cancel();
+  }
+}
+
+MapView Pipeline::ViewMap() const {
+  return world_.Read([&](const World& world) {
+    MapView view;
+    for (const KeyframeId id : world.map.keyframes()) {
+      view.keyframes.push_back(world.map.At(id).camera_from_world.Inverse());
+    }
+    for (const PointId id : world.map.Points()) {
+      view.points.push_back(world.map.At(id).position.cast<float>());
+      view.moving_probability.push_back(static_cast<float>(probabilities_.Get(id)));
+    }
+    return view;
+  });
+}
+
+MaskView Pipeline::ViewMask() const {
+  const auto view = mask_.Get();
+  return view ? *view : MaskView{};
+}
+
+Rigid3 Pipeline::CameraFromWorld(KeyframeId keyframe) const {
+  return world_.Read([&](const World& world) { return world.map.CameraFromWorld(keyframe); });
+}
+
+void Pipeline::FillResult(SlamResult* result) const {
+  world_.Read([&](const World& world) {
+    for (const KeyframeId id : world.map.keyframes()) {
+      const Keyframe& keyframe = world.map.At(id);
+      result->keyframes.push_back({keyframe.timestamp_s, keyframe.camera_from_world.Inverse()});
+    }
+  });
+  figures_.Read([&](const Figures& figures) {
+    result->local_ba_ms = figures.local_ba_ms;
+    result->labels = figures.labels;
+    result->segmentation_failures = figures.segmentation_failures;
+  });
+  result->map = ViewMap();
+  for (const float p : result->map.moving_probability) {
+    switch (StateOf(static_cast<double>(p), options_.semantic.probability)) {
+      case PointState::kStatic:
+        ++result->static_points;
+        break;
+      case PointState::kUnknown:
+        ++result->unknown_points;
+        break;
+      case PointState::kDynamic:
+        ++result->dynamic_points;
+        break;
+    }
+  }
+}
+
+}  // namespace rds

@@ -1,0 +1,94 @@
+// The phases that both executors run: what happens to a keyframe, and to a label.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "map/local_map.h"
+#include "mapping/local_mapper.h"
+#include "runtime/guarded.h"
+#include "runtime/published.h"
+#include "semantic/backlog.h"
+#include "semantic/segmenter.h"
+#include "system/options.h"
+#include "system/slam.h"
+
+namespace rds {
+
+// Everything behind the door: the map, and labels that arrived before their keyframe was in it.
+struct World {
+  explicit World(const ScalePyramid& pyramid) : map(pyramid) {}
+
+  Map map;
+  std::map<FrameId, std::vector<KeypointLabel>> early_labels;
+};
+
+// Masks of one round, dilated; empty = unusable.
+struct LabelledRound {
+  std::vector<BacklogItem> items;
+  std::vector<Image8> masks;      // one for each item
+  double segmentation_ms = 0;
+  double mask_ms = 0;
+  int failures = 0;               // requests that threw or gave something unusable
+};
+
+// State shared by tracking, mapping and semantics, and the phases that change it. MapKeyframe and its kin belong to the
+// mapping thread, Segment and ApplyRound to the semantic thread; what they share is behind the door (`world`),
+// published, or atomic.
+class Pipeline {
+ public:
+  Pipeline(const Options& options, const ScalePyramid& pyramid, std::shared_ptr<Segmenter> segmenter);
+
+  // Mapping. Inserts the keyframe and publishes; then, unless `hurry()` says that another one waits, refines, adjusts,
+  // culls and publishes again.
+  void MapKeyframe(const KeyframeCandidate& candidate, const std::function<bool()>& hurry);
+
+  // Semantics. Asks the back end for masks and dilates them; never throws what the back end throws.
+  [[nodiscard]] LabelledRound Segment(std::vector<BacklogItem> items);
+  // Labels keypoints, updates probabilities, corrects poses of keyframes from the front of the backlog.
+  void ApplyRound(const LabelledRound& round);
+
+  [[nodiscard]] bool HasSegmenter() const { return segmenter_ != nullptr; }
+  void CancelSegmenter();
+
+  [[nodiscard]] std::shared_ptr<const LocalMap> CurrentLocalMap() const { return local_map_.Get(); }
+  [[nodiscard]] const MovingProbabilities& probabilities() const { return probabilities_; }
+  [[nodiscard]] MapView ViewMap() const;
+  [[nodiscard]] MaskView ViewMask() const;
+  // Newest frame that has been labelled; -1 before the first.
+  [[nodiscard]] std::int64_t newest_labelled() const { return newest_labelled_.load(std::memory_order_relaxed); }
+  // The newest frame that tracking has begun, for the events' sake.
+  void SetCurrentFrame(FrameId frame) { current_frame_.store(frame.value, std::memory_order_relaxed); }
+
+  // Final poses and figures; after all threads have ended.
+  void FillResult(SlamResult* result) const;
+  [[nodiscard]] Rigid3 CameraFromWorld(KeyframeId keyframe) const;
+
+ private:
+  struct Figures {
+    std::vector<double> local_ba_ms;
+    std::vector<LabelEvent> labels;
+    int segmentation_failures = 0;
+  };
+
+  void AdjustLocally(KeyframeId keyframe, const std::function<bool()>& hurry);
+  void PublishAround(KeyframeId keyframe);
+  void OptimizeSemantically(FrameId frame);
+
+  Options options_;
+  ScalePyramid pyramid_;
+  std::shared_ptr<Segmenter> segmenter_;
+  MovingProbabilities probabilities_;
+  LocalMapper mapper_;
+  Guarded<World> world_;
+  Guarded<Figures> figures_;
+  Published<LocalMap> local_map_;
+  Published<MaskView> mask_;
+  std::atomic<std::int64_t> newest_labelled_ = -1;
+  std::atomic<std::uint32_t> current_frame_ = 0;
+};
+
+}  // namespace rds

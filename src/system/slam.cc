@@ -1,0 +1,366 @@
+// All threading on one page: the caller's thread tracks, one worker maps, one labels. In lockstep the caller does all.
+#include "system/slam.h"
+
+#include <algorithm>
+#include <atomic>
+#include <deque>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "base/error.h"
+#include "base/log.h"
+#include "base/time.h"
+#include "feature/orb.h"
+#include "runtime/bounded_queue.h"
+#include "runtime/monitor.h"
+#include "runtime/worker.h"
+#include "system/pipeline.h"
+#include "tracking/tracker.h"
+
+namespace rds {
+namespace {
+
+// Keyframes that wait for labels, as the semantic thread sees them.
+struct Waiting {
+  explicit Waiting(std::size_t capacity) : backlog(capacity) {}
+
+  Backlog backlog;
+  int dropped = 0;        // left unlabelled for want of room
+  bool in_flight = false; // a round is being segmented
+  bool closing = false;
+};
+
+// What the workers touch. Shared, so that a back end that never answers keeps it alive after the rest is gone.
+struct Shared {
+  Shared(const Options& options, const ScalePyramid& pyramid, std::shared_ptr<Segmenter> segmenter)
+      : pipeline(options, pyramid, std::move(segmenter)),
+        keyframes(static_cast<std::size_t>(options.system.keyframe_queue)),
+        waiting(static_cast<std::size_t>(options.semantic.backlog)) {}
+
+  Pipeline pipeline;
+  BoundedQueue<KeyframeCandidate> keyframes;
+  std::atomic<bool> mapping = false;
+  Monitor<Waiting> waiting;
+};
+
+void RunMapping(Shared& shared) {
+  while (auto candidate = shared.keyframes.Pop()) {
+    shared.mapping = true;
+    shared.pipeline.MapKeyframe(*candidate, [&] { return shared.keyframes.Size() > 0; });
+    shared.mapping = false;
+  }
+}
+
+// Algorithm 1.
+void RunSemantics(Shared& shared, const SemanticOptions& options) {
+  for (;;) {
+    std::vector<BacklogItem> selected = shared.waiting.WaitAndWrite(
+        [](const Waiting& waiting) { return waiting.closing || !waiting.backlog.empty(); },
+        [&](Waiting& waiting) {
+          auto items = waiting.closing ? std::vector<BacklogItem>{}
+                                       : waiting.backlog.Select(options.selection,
+                                                                static_cast<std::size_t>(options.per_round));
+          waiting.in_flight = !items.empty();
+          return items;
+        });
+    if (selected.empty()) {
+      return;
+    }
+    std::vector<std::vector<BacklogItem>> requests;
+    if (options.batch) {
+      requests.push_back(std::move(selected));
+    } else {  // the newest first: its label is the one that tracking waits for
+      for (auto item = selected.rbegin(); item != selected.rend(); ++item) {
+        requests.push_back({std::move(*item)});
+      }
+    }
+    for (auto& request : requests) {
+      const LabelledRound round = shared.pipeline.Segment(std::move(request));
+      if (shared.waiting.Read([](const Waiting& waiting) { return waiting.closing; })) {
+        return;
+      }
+      shared.pipeline.ApplyRound(round);
+    }
+    shared.waiting.Write([](Waiting& waiting) { waiting.in_flight = false; });
+  }
+}
+
+std::vector<FeatureView> ViewFeatures(const FrameData& data, const TrackOutcome& outcome) {
+  std::vector<FeatureView> views;
+  for (const Keypoint& keypoint : data.keypoints()) {
+    views.push_back({keypoint.raw_x, keypoint.raw_y, FeatureState::kUnmatched});
+  }
+  for (const PointMatch& match : outcome.used) {
+    views[match.keypoint].state =
+        match.state == PointState::kStatic ? FeatureState::kStatic : FeatureState::kUnknown;
+  }
+  for (const PointMatch& match : outcome.rejected) {
+    views[match.keypoint].state = FeatureState::kRejected;
+  }
+  return views;
+}
+
+}  // namespace
+
+class Slam::Impl {
+ public:
+  Impl(const PinholeCamera& camera, const Options& options, std::shared_ptr<Segmenter> segmenter);
+  ~Impl();
+
+  FrameResult Process(const RgbdFrame& frame);
+  SlamResult Finish();
+  [[nodiscard]] const Pipeline& pipeline() const { return shared_->pipeline; }
+
+ private:
+  struct TrajectoryEntry {
+    double timestamp_s = 0;
+    KeyframeId reference;  // invalid: the very first frame, which is the very first keyframe
+    Rigid3 camera_from_reference;
+  };
+  struct DueRound {
+    std::uint32_t due_frame = 0;
+    LabelledRound round;
+  };
+
+  void CheckFrame(const RgbdFrame& frame) const;
+  [[nodiscard]] WorkerStatus Status() const;
+  bool OfferKeyframe(const RgbdFrame& frame);
+  void StepSemantics(FrameId frame);
+  void StopSemantics(bool wait_for_labels);
+  void FillFrameResult(const TrackOutcome& outcome, const FrameData& data, FrameResult* result) const;
+
+  PinholeCamera camera_;
+  Options options_;
+  OrbExtractor extractor_;
+  std::shared_ptr<Shared> shared_;
+  Tracker tracker_;
+  std::vector<TrajectoryEntry> entries_;
+  std::uint32_t next_frame_ = 0;
+  std::uint32_t processed_ = 0;
+  std::optional<double> last_timestamp_s_;
+  bool tracked_before_ = false;
+  bool finished_ = false;
+  int lost_ = 0;
+  std::optional<DueRound> due_;  // lockstep: the round in flight
+  std::unique_ptr<Worker> mapping_;
+  std::unique_ptr<Worker> semantics_;
+};
+
+Slam::Impl::Impl(const PinholeCamera& camera, const Options& options, std::shared_ptr<Segmenter> segmenter)
+    : camera_(camera),
+      options_(options),
+      extractor_(options.orb),
+      shared_(std::make_shared<Shared>(options, extractor_.pyramid(), std::move(segmenter))),
+      tracker_([&] {
+        TrackerOptions tracking = options.tracking;
+        tracking.association.probability = options.semantic.probability;
+        tracking.association.use_semantics &= shared_->pipeline.HasSegmenter();
+        return tracking;
+      }(), options.pose, extractor_.pyramid(), shared_->pipeline.probabilities()) {
+  ValidateOptions(options);
+  if (!options_.system.lockstep) {
+    mapping_ = std::make_unique<Worker>([shared = shared_] { RunMapping(*shared); });
+    if (shared_->pipeline.HasSegmenter()) {
+      semantics_ = std::make_unique<Worker>(
+          [shared = shared_, semantic = options_.semantic] { RunSemantics(*shared, semantic); });
+    }
+  }
+}
+
+Slam::Impl::~Impl() {
+  shared_->keyframes.Close();
+  StopSemantics(false);
+}
+
+void Slam::Impl::CheckFrame(const RgbdFrame& frame) const {
+  const std::string when = "frame at " + std::to_string(frame.timestamp_s) + " s: ";
+  Check(!finished_, "no Process after Finish");
+  if (frame.image == nullptr || frame.depth == nullptr) {
+    throw InputError(when + "an image or its depth is missing");
+  }
+  const auto size = [](int width, int height) { return std::to_string(width) + " x " + std::to_string(height); };
+  if (frame.image->width != camera_.width || frame.image->height != camera_.height ||
+      frame.depth->width != camera_.width || frame.depth->height != camera_.height) {
+    throw InputError(when + "image " + size(frame.image->width, frame.image->height) + " and depth " +
+                     size(frame.depth->width, frame.depth->height) + " must both be the camera's " +
+                     size(camera_.width, camera_.height));
+  }
+  if ((frame.image->channels != 1 && frame.image->channels != 3) || frame.depth->channels != 1) {
+    throw InputError(when + "the image must have 1 or 3 channels and the depth 1");
+  }
+  if (!(frame.timestamp_s > last_timestamp_s_.value_or(-1e300))) {
+    throw InputError(when + "timestamps must increase; the frame before was at " +
+                     std::to_string(last_timestamp_s_.value_or(0)) + " s");
+  }
+}
+
+WorkerStatus Slam::Impl::Status() const {
+  WorkerStatus status;
+  status.mapping_idle = options_.system.lockstep || (!shared_->mapping && shared_->keyframes.Size() == 0);
+  status.segmenter_idle =
+      shared_->pipeline.HasSegmenter() && shared_->waiting.Read([&](const Waiting& waiting) {
+        return waiting.backlog.empty() && !waiting.in_flight;
+      }) && !due_;
+  return status;
+}
+
+FrameResult Slam::Impl::Process(const RgbdFrame& frame) {
+  const Stopwatch watch;
+  const double cpu_start = ThreadCpuSeconds();
+  CheckFrame(frame);
+  last_timestamp_s_ = frame.timestamp_s;
+  FrameResult result;
+  result.frame = FrameId{next_frame_++};
+  processed_ = next_frame_;
+  result.timestamp_s = frame.timestamp_s;
+  shared_->pipeline.SetCurrentFrame(result.frame);
+  if (options_.system.lockstep) {
+    StepSemantics(result.frame);
+  }
+  auto data = std::make_shared<const FrameData>(extractor_.Extract(camera_, *frame.image, *frame.depth));
+  result.timing.extraction_ms = watch.Milliseconds();
+  const TrackOutcome outcome =
+      tracker_.Track(result.frame, frame.timestamp_s, data, shared_->pipeline.CurrentLocalMap(), Status());
+  if (outcome.tracked) {
+    tracked_before_ = true;
+    entries_.push_back({frame.timestamp_s, outcome.reference, outcome.camera_from_reference});
+  }
+  lost_ += tracked_before_ && !outcome.tracked ? 1 : 0;
+  result.is_keyframe = outcome.wants_keyframe && OfferKeyframe(frame);
+  FillFrameResult(outcome, *data, &result);
+  result.timing.cpu_ms = 1e3 * (ThreadCpuSeconds() - cpu_start);
+  result.timing.total_ms = watch.Milliseconds();
+  return result;
+}
+
+bool Slam::Impl::OfferKeyframe(const RgbdFrame& frame) {
+  KeyframeCandidate candidate = tracker_.MakeCandidate();
+  BacklogItem item{candidate.frame, frame.timestamp_s, frame.image, candidate.data, false};
+  const bool first = !candidate.reference.valid();
+  if (options_.system.lockstep || first) {
+    // The first keyframe is the map: the second frame must find it there, so this one thread makes it.
+    shared_->pipeline.MapKeyframe(candidate, [] { return false; });
+  } else if (options_.system.wait_for_mapping ? !shared_->keyframes.Push(std::move(candidate))
+                                              : !shared_->keyframes.TryPush(std::move(candidate))) {
+    return false;
+  }
+  tracker_.KeyframeTaken();
+  if (shared_->pipeline.HasSegmenter()) {
+    shared_->waiting.Write([&](Waiting& waiting) { waiting.dropped += waiting.backlog.Push(std::move(item)); });
+  }
+  return true;
+}
+
+// Lockstep: labels arrive a set number of frames after their request, and the next request follows at once.
+void Slam::Impl::StepSemantics(FrameId frame) {
+  if (due_ && due_->due_frame <= frame.value) {
+    shared_->pipeline.ApplyRound(due_->round);
+    due_.reset();
+  }
+  if (!due_ && shared_->pipeline.HasSegmenter()) {
+    auto selected = shared_->waiting.Write([&](Waiting& waiting) {
+      return waiting.backlog.Select(options_.semantic.selection,
+                                    static_cast<std::size_t>(options_.semantic.per_round));
+    });
+    if (!selected.empty()) {
+      const std::uint32_t asked = selected.back().frame.value;
+      due_ = DueRound{std::max(asked, frame.value - 1) +
+                          static_cast<std::uint32_t>(options_.semantic.lockstep_delay_frames) + 1,
+                      shared_->pipeline.Segment(std::move(selected))};
+    }
+  }
+}
+
+void Slam::Impl::FillFrameResult(const TrackOutcome& outcome, const FrameData& data, FrameResult* result) const {
+  result->state = outcome.tracked    ? TrackingState::kTracked
+                  : tracked_before_ ? TrackingState::kLost
+                                    : TrackingState::kNotInitialized;
+  if (outcome.tracked) {
+    result->world_from_camera = outcome.camera_from_world.Inverse();
+  }
+  for (const PointMatch& match : outcome.used) {
+    ++(match.state == PointState::kStatic ? result->static_matches : result->unknown_matches);
+  }
+  result->rejected_matches = static_cast<int>(outcome.rejected.size());
+  if (const std::int64_t labelled = shared_->pipeline.newest_labelled(); labelled >= 0) {
+    result->semantic_delay_frames = static_cast<int>(static_cast<std::int64_t>(result->frame.value) - labelled);
+  }
+  if (const auto map = shared_->pipeline.CurrentLocalMap()) {
+    result->keyframes_in_map = map->keyframes_in_map;
+    result->points_in_map = map->points_in_map;
+  }
+  result->timing.matching_ms = outcome.matching_ms;
+  result->timing.pose_ms = outcome.pose_ms;
+  result->timing.local_map_ms = outcome.local_map_ms;
+  if (options_.system.keep_features) {
+    result->features = ViewFeatures(data, outcome);
+  }
+}
+
+void Slam::Impl::StopSemantics(bool wait_for_labels) {
+  if (!semantics_) {
+    return;
+  }
+  if (wait_for_labels) {
+    const bool done = shared_->waiting.WaitFor(options_.semantic.finish_timeout_s, [](const Waiting& waiting) {
+      return waiting.backlog.empty() && !waiting.in_flight;
+    });
+    if (!done) {
+      log::warn("labels still missing after {} s are given up", options_.semantic.finish_timeout_s);
+    }
+  }
+  shared_->waiting.Write([](Waiting& waiting) { waiting.closing = true; });
+  shared_->pipeline.CancelSegmenter();
+  if (semantics_->WaitFor(options_.semantic.cancel_timeout_s)) {
+    semantics_->Join();
+  } else {
+    log::warn("the segmentation back end does not answer; its thread is left behind");
+    semantics_->Abandon();
+  }
+  semantics_.reset();
+}
+
+SlamResult Slam::Impl::Finish() {
+  Check(!finished_, "Finish is called once");
+  finished_ = true;
+  shared_->keyframes.Close();
+  if (mapping_) {
+    mapping_->Join();
+  }
+  StopSemantics(true);
+  while (options_.system.lockstep && shared_->pipeline.HasSegmenter() &&
+         (due_ || !shared_->waiting.Read([](const Waiting& waiting) { return waiting.backlog.empty(); }))) {
+    StepSemantics(FrameId{next_frame_ += 1000});
+  }
+  SlamResult result;
+  const bool any_keyframe = shared_->pipeline.CurrentLocalMap() != nullptr;
+  for (const TrajectoryEntry& entry : entries_) {
+    Check(any_keyframe, "a tracked frame has a keyframe");
+    const KeyframeId reference = entry.reference.valid() ? entry.reference : KeyframeId{0};
+    const Rigid3 camera_from_world = entry.camera_from_reference * shared_->pipeline.CameraFromWorld(reference);
+    result.frames.push_back({entry.timestamp_s, camera_from_world.Inverse()});
+  }
+  shared_->pipeline.FillResult(&result);
+  result.processed_frames = static_cast<int>(processed_);
+  result.tracked_frames = static_cast<int>(entries_.size());
+  result.lost_frames = lost_;
+  result.keyframes_left_unlabelled = shared_->waiting.Read(
+      [](const Waiting& waiting) { return waiting.dropped + static_cast<int>(waiting.backlog.size()); });
+  return result;
+}
+
+Slam::Slam(const PinholeCamera& camera, const Options& options, std::unique_ptr<Segmenter> segmenter)
+    : impl_(std::make_unique<Impl>(camera, options, std::shared_ptr<Segmenter>(std::move(segmenter)))) {}
+
+Slam::~Slam() = default;
+
+FrameResult Slam::Process(const RgbdFrame& frame) { return impl_->Process(frame); }
+
+SlamResult Slam::Finish() { return impl_->Finish(); }
+
+MapView Slam::ViewMap() const { return impl_->pipeline().ViewMap(); }
+
+MaskView Slam::ViewMask() const { return impl_->pipeline().ViewMask(); }
+
+}  // namespace rds
