@@ -19,6 +19,7 @@ mark_as_advanced(RDS_OPENVINO_ROOT)
 set(RDS_WITH_OPENVINO OFF)
 if(RDS_OPENVINO STREQUAL "ON" OR (RDS_OPENVINO STREQUAL "AUTO" AND NOT RDS_SANITIZE MATCHES "thread"))
   if(EXISTS ${RDS_OPENVINO_ROOT}/openvino/cmake/OpenVINOConfig.cmake)
+    set(TBB_DIR ${RDS_OPENVINO_ROOT}/openvino/cmake)  # its own; Ceres then takes the same
     find_package(OpenVINO CONFIG QUIET COMPONENTS Runtime
       PATHS ${RDS_OPENVINO_ROOT}/openvino/cmake NO_DEFAULT_PATH)
   endif()
