@@ -3,6 +3,7 @@
 include(GoogleTest)
 
 set(RDS_TEST_ENVIRONMENT
+  "RDS_EVO_PYTHON=${PROJECT_SOURCE_DIR}/build/venv/bin/python"
   "TSAN_OPTIONS=halt_on_error=1 second_deadlock_stack=1 suppressions=${PROJECT_SOURCE_DIR}/tests/tsan.supp"
   "ASAN_OPTIONS=detect_leaks=1 strict_string_checks=1 detect_stack_use_after_return=1"
   "LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/lsan.supp print_suppressions=0"
@@ -23,7 +24,7 @@ foreach(folder base geometry optim feature map semantic tracking mapping loop ru
   endif()
   target_link_libraries(${program} PRIVATE $<TARGET_NAME_IF_EXISTS:rds_testing> rds_core rds_flags
     Ceres::ceres nlohmann_json::nlohmann_json ${RDS_YAML_CPP} CURL::libcurl OpenSSL::Crypto
-    opencv_core opencv_imgproc opencv_imgcodecs opencv_features2d opencv_calib3d opencv_videoio
+    opencv_core opencv_imgproc opencv_imgcodecs opencv_features2d opencv_calib3d
     GTest::gmock GTest::gtest_main)
   # All test programs share one precompiled header.
   if(pch_owner AND NOT folder STREQUAL "cli")
