@@ -113,8 +113,8 @@ void OrbExtractor::Impl::ExtractLevel(std::size_t level, std::vector<Keypoint>& 
   for (const Corner& corner : corners) {
     const Orientation orientation = OrientationAt(image.Row(corner.y) + corner.x, image.stride());
     Keypoint& keypoint = keypoints.emplace_back();
-    keypoint.x = (static_cast<float>(corner.x) + 0.5F) * scale - 0.5F;
-    keypoint.y = (static_cast<float>(corner.y) + 0.5F) * scale - 0.5F;
+    keypoint.x = (corner.FineX() + 0.5F) * scale - 0.5F;
+    keypoint.y = (corner.FineY() + 0.5F) * scale - 0.5F;
     keypoint.raw_x = keypoint.x;
     keypoint.raw_y = keypoint.y;
     keypoint.angle_deg = orientation.AngleDeg();

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "base/random.h"
+#include "feature/orb_pattern.h"
 
 namespace rds {
 namespace {
@@ -64,27 +64,11 @@ Orientation OrientationAt(const std::uint8_t* centre, std::ptrdiff_t stride) {
 }
 
 PatchDescriber::PatchDescriber() {
-  constexpr double kSigma = (2 * kPatchRadius + 1) / 5.0;  // as BRIEF's best sampling, of G II
-  Random random(20111109);
-  const auto draw = [&random] {
-    for (;;) {
-      const double x = random.Gaussian(0, kSigma);
-      const double y = random.Gaussian(0, kSigma);
-      if (x * x + y * y <= (kPatchRadius - 0.5) * (kPatchRadius - 0.5)) {
-        return std::array<float, 2>{static_cast<float>(std::round(x)), static_cast<float>(std::round(y))};
-      }
-    }
-  };
-  for (std::size_t i = 0; i < kPoints / 2; ++i) {
-    const std::array<float, 2> a = draw();
-    std::array<float, 2> b = draw();
-    while (std::hypot(a[0] - b[0], a[1] - b[1]) < 3) {
-      b = draw();
-    }
-    x_[i] = a[0];
-    y_[i] = a[1];
-    x_[i + kPoints / 2] = b[0];
-    y_[i + kPoints / 2] = b[1];
+  for (std::size_t i = 0; i < kOrbPattern.size(); ++i) {
+    x_[i] = kOrbPattern[i].ax;
+    y_[i] = kOrbPattern[i].ay;
+    x_[i + kPoints / 2] = kOrbPattern[i].bx;
+    y_[i + kPoints / 2] = kOrbPattern[i].by;
   }
 }
 

@@ -131,8 +131,15 @@ void FastDetector::Detect(const GreyPlane& image, std::uint8_t threshold, int bo
           const int lane = std::countr_zero(word) / 8;
           const int corner_x = x + 8 * i + lane;
           if (corner_x >= border && corner_x < image.width() - border) {
-            corners.push_back({static_cast<std::int16_t>(corner_x), static_cast<std::int16_t>(y - 1),
-                               static_cast<std::uint8_t>(word >> (8 * lane))});
+            const auto at_x = static_cast<std::size_t>(corner_x + 1);
+            Corner& corner = corners.emplace_back();
+            corner.x = static_cast<std::int16_t>(corner_x);
+            corner.y = static_cast<std::int16_t>(y - 1);
+            corner.score = row.scores[at_x];
+            corner.left = row.scores[at_x - 1];
+            corner.right = row.scores[at_x + 1];
+            corner.above = upper.scores[at_x];
+            corner.below = lower.scores[at_x];
           }
           word &= ~(std::uint64_t{0xff} << (8 * lane));
         }

@@ -13,6 +13,21 @@ struct Corner {
   std::int16_t x = 0;
   std::int16_t y = 0;
   std::uint8_t score = 0;  // largest difference of grey that still makes it a corner
+  // Scores of its neighbours, none larger than its own.
+  std::uint8_t left = 0;
+  std::uint8_t right = 0;
+  std::uint8_t above = 0;
+  std::uint8_t below = 0;
+
+  // Position to a fraction of a pixel: the vertices of the parabolas through the three scores in x and in y.
+  [[nodiscard]] float FineX() const { return static_cast<float>(x) + Vertex(left, right); }
+  [[nodiscard]] float FineY() const { return static_cast<float>(y) + Vertex(above, below); }
+
+ private:
+  [[nodiscard]] float Vertex(int before, int after) const {
+    const int curvature = 2 * score - before - after;
+    return curvature > 0 ? static_cast<float>(after - before) / static_cast<float>(2 * curvature) : 0.0F;
+  }
 };
 
 // Finds FAST-9/16 corners (Rosten and Drummond, "Machine learning for high-speed corner detection", ECCV 2006): nine

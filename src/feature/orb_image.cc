@@ -127,14 +127,14 @@ void Shrinker::Shrink(const GreyPlane& from, double factor, GreyPlane& to) {
 void Blur(const GreyPlane& from, GreyPlane& to, std::vector<std::uint8_t>& row) {
   to.Resize(from.width(), from.height());
   row.resize(static_cast<std::size_t>(from.width()) + GreyPlane::kPadding);
-  // The mean of means (a, d) and (c, f) is (1 0 1 1 0 1) / 4, the mean of that and its neighbour the kernel.
+  // (1 0 1) twice makes (1 0 2 0 1) / 4, then (1 2 1) / 4 of three of those.
   const auto kernel = [](const std::uint8_t* p, std::ptrdiff_t step) {
-    const ByteVector p3 = LoadBytes(p + 3 * step);
-    const ByteVector even =
-        Average(Average(LoadBytes(p), p3), Average(LoadBytes(p + 2 * step), LoadBytes(p + 5 * step)));
-    const ByteVector odd =
-        Average(Average(LoadBytes(p + step), LoadBytes(p + 4 * step)), Average(p3, LoadBytes(p + 6 * step)));
-    return Average(even, odd);
+    const ByteVector p2 = LoadBytes(p + 2 * step);
+    const ByteVector p4 = LoadBytes(p + 4 * step);
+    const ByteVector before = Average(p2, Average(LoadBytes(p), p4));
+    const ByteVector centre = Average(LoadBytes(p + 3 * step), Average(LoadBytes(p + step), LoadBytes(p + 5 * step)));
+    const ByteVector after = Average(p4, Average(p2, LoadBytes(p + 6 * step)));
+    return Average(centre, Average(before, after));
   };
   for (int y = 3; y < from.height() - 3; ++y) {
     for (int x = 0; x < from.width(); x += kByteLanes) {

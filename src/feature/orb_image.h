@@ -60,8 +60,8 @@ class Shrinker {
   std::vector<std::uint8_t> row_;  // two rows blended into one
 };
 
-// Smooths with a separable kernel of 7 x 7 and a standard deviation of 1.9 pixels, (1 1 1 2 1 1 1) / 8 in x and y. The
-// outermost 3 pixels are left undefined. Resizes `to`; `row` is scratch.
+// Smooths with the kernel (1 2 3 4 3 2 1) / 16 in x and y, whose standard deviation is 1.6 pixels. The outermost 3
+// pixels are left undefined. Resizes `to`; `row` is scratch.
 void Blur(const GreyPlane& from, GreyPlane& to, std::vector<std::uint8_t>& row);
 
 }  // namespace rds

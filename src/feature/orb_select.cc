@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 namespace rds {
 namespace {
@@ -32,6 +33,7 @@ class Grid {
 };
 
 constexpr double kThresholdCellPx = 35;
+constexpr double kCornersPerCell = 6;  // of Spread's grid, on average
 
 }  // namespace
 
@@ -55,7 +57,8 @@ void CornerSelector::Spread(int width, int height, std::size_t wanted, std::vect
     corners.clear();
     return;
   }
-  const Grid grid(width, height, std::sqrt(static_cast<double>(width) * height / static_cast<double>(wanted)));
+  const Grid grid(width, height,
+                  std::sqrt(kCornersPerCell * static_cast<double>(width) * height / static_cast<double>(wanted)));
 
   // Counting sort into the cells, best first in each; equal scores keep their order.
   cell_start_.assign(grid.size() + 1, 0);
@@ -70,53 +73,34 @@ void CornerSelector::Spread(int width, int height, std::size_t wanted, std::vect
     cell = start - cell;
   }
   sorted_.resize(corners.size());
-  rank_.assign(grid.size(), 0);  // here: corners of a cell so far
+  cell_end_ = cell_start_;
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const std::uint32_t begin = cell_start_[cell_of_[i]];
-    std::uint32_t at = begin + rank_[cell_of_[i]]++;
+    std::uint32_t at = cell_end_[cell_of_[i]]++;
     for (; at > begin && sorted_[at - 1].score < corners[i].score; --at) {
       sorted_[at] = sorted_[at - 1];
     }
     sorted_[at] = corners[i];
   }
 
-  rank_.resize(corners.size());
-  rank_count_.clear();
+  value_.resize(corners.size());
   for (std::size_t cell = 0; cell < grid.size(); ++cell) {
-    const std::uint32_t size = cell_start_[cell + 1] - cell_start_[cell];
-    if (size > rank_count_.size()) {
-      rank_count_.resize(size, 0);
-    }
-    for (std::uint32_t r = 0; r < size; ++r) {
-      rank_[cell_start_[cell] + r] = r + 1;
-      ++rank_count_[r];
+    std::uint32_t place = 1;
+    for (std::uint32_t i = cell_start_[cell]; i < cell_start_[cell + 1]; ++i, ++place) {
+      value_[i] = (static_cast<std::uint32_t>(sorted_[i].score) << 16U) / place;
     }
   }
-
-  // Whole rounds first, then the best of the round that is one too many.
-  std::uint32_t last_rank = 1;
-  std::size_t left = wanted;
-  while (rank_count_[last_rank - 1] <= left) {
-    left -= rank_count_[last_rank - 1];
-    ++last_rank;
-  }
-  last_round_.clear();
-  for (std::uint32_t i = 0; i < sorted_.size(); ++i) {
-    if (rank_[i] == last_rank) {
-      last_round_.push_back(i);
-    }
-  }
-  const auto better = [this](std::uint32_t a, std::uint32_t b) {
-    return sorted_[a].score != sorted_[b].score ? sorted_[a].score > sorted_[b].score : a < b;
-  };
-  std::nth_element(last_round_.begin(), last_round_.begin() + static_cast<std::ptrdiff_t>(left), last_round_.end(),
-                   better);
-  for (std::size_t i = 0; i < left; ++i) {
-    rank_[last_round_[i]] = 0;  // taken
-  }
+  ordered_ = value_;
+  const auto last = ordered_.begin() + static_cast<std::ptrdiff_t>(wanted) - 1;
+  std::nth_element(ordered_.begin(), last, ordered_.end(), std::greater<>());
+  const std::uint32_t lowest = *last;
+  // Of those that equal the lowest value, the first.
+  auto ties = wanted - static_cast<std::size_t>(
+                           std::count_if(ordered_.begin(), last, [lowest](std::uint32_t v) { return v > lowest; }));
   corners.clear();
   for (std::size_t i = 0; i < sorted_.size(); ++i) {
-    if (rank_[i] < last_rank) {
+    if (value_[i] > lowest || (value_[i] == lowest && ties > 0)) {
+      ties -= value_[i] == lowest ? 1 : 0;
       corners.push_back(sorted_[i]);
     }
   }

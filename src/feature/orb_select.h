@@ -18,18 +18,18 @@ class CornerSelector {
   // order.
   void DropWeak(int width, int height, std::uint8_t strong_threshold, std::vector<Corner>& corners);
 
-  // Reduces the corners to at most `wanted`, evenly spread: over a grid of about that many cells, takes the best corner
-  // of every cell, then every cell's second, and so on; of the last round the best. The result is ordered by cell.
+  // Reduces the corners to at most `wanted`, evenly spread: in each cell of a grid the best corner counts its full
+  // score, the second half of it, the third a third and so on; those that count most are kept. Ordered by cell.
   void Spread(int width, int height, std::size_t wanted, std::vector<Corner>& corners);
 
  private:
   std::vector<std::uint8_t> strongest_;    // by cell
   std::vector<std::uint32_t> cell_start_;  // by cell, into sorted_
+  std::vector<std::uint32_t> cell_end_;    // by cell, into sorted_, while it fills
   std::vector<std::uint32_t> cell_of_;     // by corner
   std::vector<Corner> sorted_;             // by cell, best first
-  std::vector<std::uint32_t> rank_;        // by corner in sorted_: its place in its cell, from 1
-  std::vector<std::uint32_t> rank_count_;  // corners of a rank
-  std::vector<std::uint32_t> last_round_;  // indices into sorted_
+  std::vector<std::uint32_t> value_;       // by corner in sorted_: score over its place in the cell
+  std::vector<std::uint32_t> ordered_;     // the values, partly ordered
 };
 
 }  // namespace rds
