@@ -1,0 +1,112 @@
+#!/usr/bin/env python3
+"""Runs the program on real recordings: the kitchen sequences, static and with people walking through them.
+
+    kitchen_test.py RDS WORK_FOLDER make|static|walking|lockstep|threaded
+
+The recordings are not part of the repository: RDS_SHARED names the folder that has bench/make_sequences.py (default:
+shared/ beside the repository). Without it every test is skipped (exit code 77). `make` builds the sequences first.
+"""
+import json
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+SHARED = pathlib.Path(os.environ.get("RDS_SHARED", ROOT.parent / "shared"))
+SEQUENCES = ["kitchen_static", "kitchen_walking"]
+FRAMES = 300
+
+
+def skip(reason):
+    print(f"[  SKIPPED ] {reason}")
+    sys.exit(77)
+
+
+def python_with_opencv():
+    for python in ("/usr/bin/python3", sys.executable):
+        if subprocess.run([python, "-c", "import cv2, numpy"], capture_output=True, check=False).returncode == 0:
+            return python
+    return skip("no Python with OpenCV, which makes the kitchen sequences (apt-get install python3-opencv)")
+
+
+def make(work):
+    missing = [name for name in SEQUENCES if not (work / name / "groundtruth.txt").is_file()]
+    if missing:
+        staging = work / "unfinished"
+        shutil.rmtree(staging, ignore_errors=True)
+        subprocess.run([python_with_opencv(), SHARED / "bench" / "make_sequences.py", "--out", staging,
+                        "--frames", "0", str(FRAMES), *missing], check=True)
+        for name in missing:
+            (staging / name).rename(work / name)
+
+
+class Runner:
+    def __init__(self, rds, work):
+        self.rds = rds
+        self.work = work
+
+    def run(self, name, sequence, *options):
+        """Runs SLAM; returns the folder of the results and the report."""
+        out = self.work / "out" / name
+        shutil.rmtree(out, ignore_errors=True)
+        subprocess.run([self.rds, "run", self.work / sequence, "--camera", "redkitchen", "--out", out, *options],
+                       check=True, timeout=300)
+        report = json.loads((out / "report.json").read_text(encoding="utf-8"))
+        print(f"{name}: tracked {report['tracked']} of {report['frames']}, ATE {report['ate_m']['rmse']:.4f} m")
+        return out, report
+
+
+def expect(condition, what):
+    if not condition:
+        print(f"FAILED: {what}")
+        sys.exit(1)
+
+
+def test_static(runner):
+    _, report = runner.run("static", "kitchen_static", "--lockstep", "--segmenter", "none")
+    expect(report["tracked"] == report["frames"] == FRAMES, "every frame is tracked")
+    expect(report["ate_m"]["rmse"] <= MAX_ATE_M, f"the error is at most {MAX_ATE_M} m")
+
+
+def test_walking(runner):
+    _, with_semantics = runner.run("walking_stored", "kitchen_walking", "--lockstep", "--segmenter", "stored")
+    _, without = runner.run("walking_none", "kitchen_walking", "--lockstep", "--segmenter", "none")
+    expect(with_semantics["tracked"] >= 0.99 * FRAMES, "99 % of the frames are tracked")
+    expect(with_semantics["ate_m"]["rmse"] <= MAX_ATE_M, f"the error is at most {MAX_ATE_M} m")
+    expect(with_semantics["ate_m"]["rmse"] < 0.5 * without["ate_m"]["rmse"], "semantics more than halve the error")
+
+
+def test_lockstep(runner):
+    folders = [runner.run(name, "kitchen_walking", "--lockstep", "--segmenter", "stored", "--frames", "0:150")[0]
+               for name in ("lockstep_1", "lockstep_2")]
+    for file in ("trajectory.txt", "keyframes.txt"):
+        expect((folders[0] / file).read_bytes() == (folders[1] / file).read_bytes(), f"{file} has the same bytes twice")
+
+
+def test_threaded(runner):
+    _, report = runner.run("threaded", "kitchen_walking", "--rate", "1", "--segmenter", "stored",
+                           "--set", "semantic.stored.delay_ms=200")
+    expect(report["tracked"] >= 0.99 * FRAMES, "99 % of the frames are tracked")
+    expect(report["ate_m"]["rmse"] <= 1.5 * MAX_ATE_M, f"the error is at most {1.5 * MAX_ATE_M} m")
+
+
+MAX_ATE_M = 0.06
+
+
+def main():
+    rds, work, test = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2]), sys.argv[3]
+    if not (SHARED / "bench" / "make_sequences.py").is_file():
+        skip(f"the kitchen recordings are not there: {SHARED} (RDS_SHARED names their folder)")
+    work.mkdir(parents=True, exist_ok=True)
+    if test == "make":
+        make(work)
+    else:
+        if not (work / SEQUENCES[-1]).is_dir():
+            skip("the kitchen sequences could not be made")
+        globals()[f"test_{test}"](Runner(rds, work))
+
+
+if __name__ == "__main__":
+    main()
