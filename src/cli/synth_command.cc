@@ -1,0 +1,137 @@
+// rds synth: writes a synthetic dynamic RGB-D sequence with ground truth.
+#include <spdlog/fmt/fmt.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "base/error.h"
+#include "base/time.h"
+#include "cli/command.h"
+#include "io/atomic_file.h"
+#include "testing/synthetic_sequence.h"
+
+namespace rds {
+namespace {
+
+struct SynthArguments {
+  std::string out;
+  std::string scenario = "walking";
+  std::string path = "orbit";
+  std::string noise = "on";
+  int frames = 300;
+  int width = 640;
+  int height = 0;  // three quarters of the width
+  int movers = -1;
+  std::uint64_t seed = 1;
+};
+
+std::string Joined(const std::vector<std::string>& names) { return fmt::format("{}", fmt::join(names, ", ")); }
+
+// As a shell wants it.
+std::string Quoted(const std::string& path) {
+  if (path.find_first_of(" \t'\"$&()*;<>?[]`|~#\\") == std::string::npos) {
+    return path;
+  }
+  std::string quoted = "'";
+  for (const char c : path) {
+    quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  }
+  return quoted + "'";
+}
+
+SyntheticOptions OptionsFrom(const SynthArguments& arguments) {
+  SyntheticOptions options;
+  if (arguments.noise != "on" && arguments.noise != "off") {
+    throw InputError("--noise: '" + arguments.noise + "' is neither on nor off");
+  }
+  if (arguments.movers < -1) {
+    throw InputError(fmt::format("--movers: {} is out of range (0 to {})", arguments.movers, kMaxSyntheticMovers));
+  }
+  options.scenario = ParseSyntheticScenario(arguments.scenario);
+  options.path = ParseSyntheticPath(arguments.path);
+  options.camera =
+      MakeSyntheticCamera(arguments.width, arguments.height > 0 ? arguments.height : arguments.width * 3 / 4);
+  options.frames = arguments.frames;
+  options.seed = arguments.seed;
+  options.noise = arguments.noise == "on";
+  options.movers = arguments.movers;
+  Validate(options);
+  return options;
+}
+
+// Shows how far the writing is: one line rewritten on a terminal, a line every two seconds elsewhere.
+class WritingProgress {
+ public:
+  explicit WritingProgress(int frames) : frames_(frames), terminal_(isatty(STDERR_FILENO) == 1) {}
+
+  void Update(int done) {
+    const double now_s = clock_.Seconds();
+    if (done < frames_ && now_s < printed_at_s_ + (terminal_ ? 0.1 : 2.0)) {
+      return;
+    }
+    printed_at_s_ = now_s;
+    const double left_s = now_s / done * (frames_ - done);
+    fmt::print(stderr, "{}{} of {} frames, {:.0f} frames/s, {:.0f} s left{}", terminal_ ? "\r" : "", done, frames_,
+               done / now_s, left_s, terminal_ ? "  " : "\n");
+    if (terminal_ && done == frames_) {
+      fmt::print(stderr, "\n");
+    }
+    std::fflush(stderr);
+  }
+
+ private:
+  int frames_;
+  bool terminal_;
+  double printed_at_s_ = 0;
+  Stopwatch clock_;
+};
+
+void RunSynth(const SynthArguments& arguments) {
+  const SyntheticOptions options = OptionsFrom(arguments);
+  PrepareOutputFolder(arguments.out);
+  fmt::print(stderr, "building the room (scenario {}, path {}, {} movers, seed {})\n", arguments.scenario,
+             arguments.path, ResolveMovers(options), options.seed);
+  const SyntheticWorld world(options);
+  WritingProgress progress(options.frames);
+  WriteSyntheticSequence(world, arguments.out, [&](int done) { progress.Update(done); });
+
+  const std::string folder = (std::filesystem::path(arguments.out) / "").parent_path().string();
+  fmt::print("{} frames at {} Hz with ground truth and masks: {}\n", options.frames, kSyntheticFrameRateHz, folder);
+  fmt::print("camera: {}/camera.yaml\n", folder);
+  fmt::print("next:   rds run {} --camera {} --out {}\n", Quoted(folder), Quoted(folder + "/camera.yaml"),
+             Quoted(folder + "_run"));
+}
+
+}  // namespace
+
+void AddSynthCommand(CLI::App& app) {
+  auto arguments = std::make_shared<SynthArguments>();
+  CLI::App* command = app.add_subcommand(
+      "synth",
+      "Write a synthetic dynamic RGB-D sequence: a furnished room, people in it, a hand-held camera; TUM layout with\n"
+      "exact ground truth and masks of the people. Same arguments, same bytes.");
+  command->add_option("--out", arguments->out, "Folder to write to; made if it is not there")->required();
+  command->add_option("--scenario", arguments->scenario, "Who is in the room: " + Joined(SyntheticScenarioNames()))
+      ->capture_default_str();
+  command->add_option("--path", arguments->path, "How the camera moves: " + Joined(SyntheticPathNames()))
+      ->capture_default_str();
+  command->add_option("--frames", arguments->frames, "Number of frames, at 30 Hz")->capture_default_str();
+  command->add_option("--seed", arguments->seed, "Room, people, tremor of the hand and noise follow from it")
+      ->capture_default_str();
+  command
+      ->add_option("--noise", arguments->noise,
+                   "on: noise of a structured-light sensor (depth in steps, holes at edges, none beyond 4.5 m);\n"
+                   "off: exact colour and depth")
+      ->capture_default_str();
+  command->add_option("--movers", arguments->movers,
+                      fmt::format("Number of people, 0 to {}; otherwise as the scenario has it", kMaxSyntheticMovers));
+  command->add_option("--width", arguments->width, "Image width, pixels")->capture_default_str();
+  command->add_option("--height", arguments->height, "Image height, pixels; otherwise three quarters of the width");
+  command->callback([arguments] { RunSynth(*arguments); });
+}
+
+}  // namespace rds
