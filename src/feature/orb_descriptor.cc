@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "feature/orb_pattern.h"
+#include "feature/orb_simd.h"
 
 namespace rds {
 namespace {
@@ -87,13 +88,10 @@ Descriptor PatchDescriber::Describe(const std::uint8_t* centre, std::ptrdiff_t s
   for (std::size_t i = 0; i < kPoints; ++i) {
     values[i] = centre[offsets[i]];
   }
-  Descriptor descriptor;
-  for (std::size_t word = 0; word < descriptor.size(); ++word) {
-    std::uint64_t bits = 0;
-    for (std::size_t i = 0; i < 64; ++i) {
-      bits |= static_cast<std::uint64_t>(values[64 * word + i] < values[64 * word + i + kPoints / 2]) << i;
-    }
-    descriptor[word] = bits;
+  Descriptor descriptor{};
+  for (std::size_t i = 0; i < kPoints / 2; i += kByteLanes) {
+    const std::uint64_t bits = LessMask(LoadBytes(&values[i]), LoadBytes(&values[i + kPoints / 2]));
+    descriptor[i / 64] |= bits << (i % 64);
   }
   return descriptor;
 }

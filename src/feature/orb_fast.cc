@@ -2,7 +2,6 @@
 
 #include <array>
 #include <bit>
-#include <cstring>
 
 #include "feature/orb_simd.h"
 
@@ -66,15 +65,16 @@ ByteVector ScoreBound(const std::uint8_t* p, std::ptrdiff_t stride) {
              SubtractSaturated(centre, Max(Min(north, south), Min(east, west))));
 }
 
-// Score where it is above the threshold and no neighbour's is larger (of equal neighbours the last counts), else zero.
-ByteVector Maxima(const std::uint8_t* upper, const std::uint8_t* row, const std::uint8_t* lower, ByteVector threshold) {
+// Bit i tells whether score row[i] is above the threshold and no neighbour's is larger; of equal neighbours, the last
+// counts.
+std::uint64_t MaximaMask(const std::uint8_t* upper, const std::uint8_t* row, const std::uint8_t* lower,
+                         ByteVector threshold) {
   const ByteVector score = LoadBytes(row);
   const ByteVector before =
       Max(Max(Max(LoadBytes(upper - 1), LoadBytes(upper)), Max(LoadBytes(upper + 1), LoadBytes(row - 1))), threshold);
   const ByteVector after =
       Max(Max(LoadBytes(row + 1), LoadBytes(lower - 1)), Max(LoadBytes(lower), LoadBytes(lower + 1)));
-  const ByteVector is_maximum = (SubtractSaturated(score, before) != 0) & (score >= after);
-  return score & is_maximum;
+  return LessMask(before, score) & ~LessMask(score, after);
 }
 
 constexpr int kPadding = kByteLanes + 16;
@@ -88,10 +88,10 @@ void FastDetector::Score(const GreyPlane& image, int y, std::uint8_t threshold, 
   for (int x = begin; x < end; x += kByteLanes, ++block) {
     const std::uint8_t* const p = image.Row(y) + x;
     ByteVector score{};
-    if (AnyNonZero(SubtractSaturated(ScoreBound(p, image.stride()), thresholds))) {
+    if (AnyLess(thresholds, ScoreBound(p, image.stride()))) {
       score = ScoreOf(p, image.stride());
     }
-    row.filled[block] = AnyNonZero(SubtractSaturated(score, thresholds)) ? 1 : 0;
+    row.filled[block] = AnyLess(thresholds, score) ? 1 : 0;
     StoreBytes(&row.scores[static_cast<std::size_t>(x + 1)], score);
   }
 }
@@ -108,41 +108,31 @@ void FastDetector::Detect(const GreyPlane& image, std::uint8_t threshold, int bo
     row.scores.assign(static_cast<std::size_t>(image.width() + kPadding), 0);
     row.filled.assign(static_cast<std::size_t>(image.width() / kByteLanes + 1), 0);
   }
-  const ByteVector thresholds = ByteVector{} + threshold;
   for (int y = border - 1; y < image.height() - border + 1; ++y) {
     Score(image, y, threshold, begin, end, rows_[y % 3]);
-    if (y < border + 1) {
+    if (y > border) {
+      FindMaxima(y - 1, threshold, begin, end, corners);
+    }
+  }
+}
+
+void FastDetector::FindMaxima(int y, std::uint8_t threshold, int begin, int end, std::vector<Corner>& corners) const {
+  const ByteVector thresholds = ByteVector{} + threshold;
+  const std::uint8_t* const filled = rows_[y % 3].filled.data();
+  // Index of a score is x + 1.
+  const std::uint8_t* const upper = rows_[(y - 1) % 3].scores.data() + 1;
+  const std::uint8_t* const row = rows_[y % 3].scores.data() + 1;
+  const std::uint8_t* const lower = rows_[(y + 1) % 3].scores.data() + 1;
+  for (int block = 0, block_x = begin; block_x < end; ++block, block_x += kByteLanes) {
+    if (filled[block] == 0) {
       continue;
     }
-    const ScoreRow& upper = rows_[(y - 2) % 3];
-    const ScoreRow& row = rows_[(y - 1) % 3];
-    const ScoreRow& lower = rows_[y % 3];
-    std::size_t block = 0;
-    for (int x = begin; x < end; x += kByteLanes, ++block) {
-      if (row.filled[block] == 0) {
-        continue;
-      }
-      const auto at = static_cast<std::size_t>(x + 1);
-      const ByteVector maxima = Maxima(&upper.scores[at], &row.scores[at], &lower.scores[at], thresholds);
-      std::uint64_t words[kByteLanes / 8];
-      std::memcpy(words, &maxima, sizeof maxima);
-      for (int i = 0; i < kByteLanes / 8; ++i) {
-        for (std::uint64_t word = words[i]; word != 0;) {
-          const int lane = std::countr_zero(word) / 8;
-          const int corner_x = x + 8 * i + lane;
-          if (corner_x >= border && corner_x < image.width() - border) {
-            const auto at_x = static_cast<std::size_t>(corner_x + 1);
-            Corner& corner = corners.emplace_back();
-            corner.x = static_cast<std::int16_t>(corner_x);
-            corner.y = static_cast<std::int16_t>(y - 1);
-            corner.score = row.scores[at_x];
-            corner.left = row.scores[at_x - 1];
-            corner.right = row.scores[at_x + 1];
-            corner.above = upper.scores[at_x];
-            corner.below = lower.scores[at_x];
-          }
-          word &= ~(std::uint64_t{0xff} << (8 * lane));
-        }
+    std::uint64_t mask = MaximaMask(upper + block_x, row + block_x, lower + block_x, thresholds);
+    for (; mask != 0; mask &= mask - 1) {
+      const int x = block_x + std::countr_zero(mask);
+      if (x > begin && x < end - 1) {
+        corners.push_back({static_cast<std::int16_t>(x), static_cast<std::int16_t>(y), row[x], row[x - 1], row[x + 1],
+                           upper[x], lower[x]});
       }
     }
   }

@@ -43,9 +43,11 @@ class FastDetector {
     std::vector<std::uint8_t> scores;  // by x, with padding on both sides
     std::vector<std::uint8_t> filled;  // by block: whether any score in it is above the threshold
   };
+  // Both for pixels `begin` to `end` of a row, and for maxima not the first and last.
   void Score(const GreyPlane& image, int y, std::uint8_t threshold, int begin, int end, ScoreRow& row) const;
+  void FindMaxima(int y, std::uint8_t threshold, int begin, int end, std::vector<Corner>& corners) const;
 
-  ScoreRow rows_[3];
+  ScoreRow rows_[3];  // row y is rows_[y % 3]
 };
 
 }  // namespace rds

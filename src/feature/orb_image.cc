@@ -112,13 +112,14 @@ void Shrinker::Shrink(const GreyPlane& from, double factor, GreyPlane& to) {
   for (int y = 0; y < to.height(); ++y) {
     const double from_y = (y + 0.5) * factor - 0.5;
     const int top = static_cast<int>(from_y);
-    const auto weight = static_cast<unsigned>(std::lround((from_y - top) * kOne));
+    const auto weight = static_cast<std::uint16_t>(std::lround((from_y - top) * kOne));
     const std::uint8_t* const upper = from.Row(top);
     const std::uint8_t* const lower = from.Row(std::min(top + 1, from.height() - 1));
-    std::uint8_t* const row = row_.data();
-    for (int x = 0; x < from.width(); ++x) {
-      row[x] = static_cast<std::uint8_t>(
-          static_cast<std::uint16_t>(upper[x] * (kOne - weight) + lower[x] * weight + kOne / 2) / kOne);
+    const WordVector lower_weight = WordVector{} + weight;
+    const WordVector upper_weight = kOne - lower_weight;
+    for (int x = 0; x < from.width(); x += kWordLanes) {
+      const WordVector sum = LoadWidened(upper + x) * upper_weight + LoadWidened(lower + x) * lower_weight + kOne / 2;
+      StoreNarrowed(&row_[static_cast<std::size_t>(x)], sum / kOne);
     }
     ShrinkRow(to.width(), to.Row(y));
   }

@@ -6,10 +6,8 @@
 #include <cstdint>
 #include <cstring>
 
-#if defined(__AVX2__) || defined(__SSE2__)
+#if defined(__SSE2__)
 #include <immintrin.h>
-#elif defined(__ARM_NEON)
-#include <arm_neon.h>
 #endif
 
 namespace rds {
@@ -33,6 +31,23 @@ inline ByteVector LoadBytes(const std::uint8_t* from) {
 
 inline void StoreBytes(std::uint8_t* to, ByteVector v) { std::memcpy(to, &v, sizeof v); }
 
+// Half as many lanes of 16 bits.
+using WordVector = std::uint16_t __attribute__((vector_size(kByteLanes)));
+inline constexpr int kWordLanes = kByteLanes / 2;
+
+// Widens bytes from any address; narrows words below 256 to any address.
+inline WordVector LoadWidened(const std::uint8_t* from) {
+  std::uint8_t __attribute__((vector_size(kWordLanes))) bytes;
+  std::memcpy(&bytes, from, sizeof bytes);
+  return __builtin_convertvector(bytes, WordVector);
+}
+
+inline void StoreNarrowed(std::uint8_t* to, WordVector v) {
+  using Narrow = std::uint8_t __attribute__((vector_size(kWordLanes)));
+  const Narrow bytes = __builtin_convertvector(v, Narrow);
+  std::memcpy(to, &bytes, sizeof bytes);
+}
+
 inline ByteVector Min(ByteVector a, ByteVector b) { return a < b ? a : b; }
 inline ByteVector Max(ByteVector a, ByteVector b) { return a > b ? a : b; }
 
@@ -52,14 +67,32 @@ inline ByteVector Average(ByteVector a, ByteVector b) {
 #endif
 }
 
-inline bool AnyNonZero(ByteVector v) {
+// Bit i tells whether lane i of a is less than that of b.
+inline std::uint64_t LessMask(ByteVector a, ByteVector b) {
 #if defined(__AVX512BW__)
-  return _mm512_test_epi8_mask(reinterpret_cast<__m512i>(v), reinterpret_cast<__m512i>(v)) != 0;
+  return _mm512_cmplt_epu8_mask(reinterpret_cast<__m512i>(a), reinterpret_cast<__m512i>(b));
 #elif defined(__AVX2__)
-  return _mm256_testz_si256(reinterpret_cast<__m256i>(v), reinterpret_cast<__m256i>(v)) == 0;
+  return static_cast<std::uint32_t>(_mm256_movemask_epi8(reinterpret_cast<__m256i>(a < b)));
+#elif defined(__SSE2__)
+  return static_cast<std::uint32_t>(_mm_movemask_epi8(reinterpret_cast<__m128i>(a < b)));
 #else
-  std::uint64_t words[sizeof v / sizeof(std::uint64_t)];
-  std::memcpy(words, &v, sizeof v);
+  const auto less = a < b;
+  std::uint64_t mask = 0;
+  for (int i = 0; i < kByteLanes; ++i) {
+    mask |= static_cast<std::uint64_t>(less[i] & 1) << i;
+  }
+  return mask;
+#endif
+}
+
+// Whether any lane of a is less than that of b.
+inline bool AnyLess(ByteVector a, ByteVector b) {
+#if defined(__SSE2__)
+  return LessMask(a, b) != 0;
+#else
+  const auto less = a < b;
+  std::uint64_t words[sizeof less / sizeof(std::uint64_t)];
+  std::memcpy(words, &less, sizeof less);
   std::uint64_t any = 0;
   for (const std::uint64_t word : words) {
     any |= word;

@@ -115,7 +115,7 @@ TEST(OrbExtractor, SpreadsFeaturesOverTheImage) {
   }
   for (const auto& row : cells) {
     for (const int count : row) {
-      EXPECT_GE(count, 20);  // 62 on average, but the cells at the edges lose the border
+      EXPECT_GE(count, 15);  // 62 on average, but the cells at the edges lose the border
       EXPECT_LE(count, 125);
     }
   }
