@@ -1,11 +1,10 @@
 #include "feature/orb_descriptor.h"
 
-#include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <numbers>
 
 #include "feature/orb_pattern.h"
-#include "feature/orb_simd.h"
 
 namespace rds {
 namespace {
@@ -66,32 +65,34 @@ Orientation OrientationAt(const std::uint8_t* centre, std::ptrdiff_t stride) {
 
 PatchDescriber::PatchDescriber() {
   for (std::size_t i = 0; i < kOrbPattern.size(); ++i) {
-    x_[i] = kOrbPattern[i].ax;
-    y_[i] = kOrbPattern[i].ay;
-    x_[i + kPoints / 2] = kOrbPattern[i].bx;
-    y_[i + kPoints / 2] = kOrbPattern[i].by;
+    x_[2 * i] = kOrbPattern[i].ax;
+    y_[2 * i] = kOrbPattern[i].ay;
+    x_[2 * i + 1] = kOrbPattern[i].bx;
+    y_[2 * i + 1] = kOrbPattern[i].by;
   }
 }
 
 Descriptor PatchDescriber::Describe(const std::uint8_t* centre, std::ptrdiff_t stride, Orientation orientation) const {
-  // Adding and subtracting 1.5 * 2^23 would round too, but the compiler may not vectorise lrint: so floor(v + 0.5),
-  // made positive first for the conversion that cuts towards zero.
-  constexpr float kHalf = 0.5F + 32;
+  // Offsets from the patch's corner are positive, so that cutting off after the addition of a half rounds.
+  constexpr int kCorner = kPatchRadius + 1;
+  constexpr float kHalf = 0.5F + kCorner;
+  const auto signed_stride = static_cast<std::int32_t>(stride);
   alignas(64) std::array<std::int32_t, kPoints> offsets;
-  const auto int_stride = static_cast<std::int32_t>(stride);
   for (std::size_t i = 0; i < kPoints; ++i) {
     const auto x = static_cast<std::int32_t>(x_[i] * orientation.cosine - y_[i] * orientation.sine + kHalf);
     const auto y = static_cast<std::int32_t>(x_[i] * orientation.sine + y_[i] * orientation.cosine + kHalf);
-    offsets[i] = (y - 32) * int_stride + x - 32;
+    offsets[i] = y * signed_stride + x;
   }
-  alignas(64) std::array<std::uint8_t, kPoints> values;
-  for (std::size_t i = 0; i < kPoints; ++i) {
-    values[i] = centre[offsets[i]];
-  }
-  Descriptor descriptor{};
-  for (std::size_t i = 0; i < kPoints / 2; i += kByteLanes) {
-    const std::uint64_t bits = LessMask(LoadBytes(&values[i]), LoadBytes(&values[i + kPoints / 2]));
-    descriptor[i / 64] |= bits << (i % 64);
+  const std::uint8_t* const corner = centre - kCorner * stride - kCorner;
+  Descriptor descriptor;
+  for (std::size_t word = 0; word < descriptor.size(); ++word) {
+    std::uint64_t bits = 0;
+    for (std::size_t i = 64; i-- > 0;) {
+      std::uint64_t pair = 0;  // both offsets in one load
+      std::memcpy(&pair, &offsets[2 * (64 * word + i)], sizeof pair);
+      bits += bits + (corner[pair & 0xffffffff] < corner[pair >> 32U] ? 1 : 0);
+    }
+    descriptor[word] = bits;
   }
   return descriptor;
 }

@@ -35,7 +35,7 @@ class PatchDescriber {
 
  private:
   static constexpr std::size_t kPoints = 512;
-  // First points of the 256 pairs, then the second points.
+  // Both points of a pair side by side.
   alignas(64) std::array<float, kPoints> x_;
   alignas(64) std::array<float, kPoints> y_;
 };
