@@ -26,16 +26,17 @@ def skip_reason(output):
 
 def read_junit(path):
     for case in ElementTree.parse(path).getroot().iter("testcase"):
-        output = case.findtext("system-out") or ""
-        status = case.get("status")
-        if status == "fail" or case.find("failure") is not None:
-            outcome, reason = "failed", (case.find("failure").get("message") or "") if case.find("failure") is not None else ""
-        elif status in ("notrun", "disabled") or case.find("skipped") is not None:
-            outcome, reason = "skipped", skip_reason(output)
-            if "SKIPPED" not in output and status == "notrun":
-                outcome, reason = "failed", "could not be run"
-        else:
+        status, failure, skipped = case.get("status"), case.find("failure"), case.find("skipped")
+        if status == "fail" or failure is not None:
+            outcome, reason = "failed", failure.get("message", "") if failure is not None else ""
+        elif status == "disabled":
+            outcome, reason = "skipped", "disabled"
+        elif skipped is not None and "SKIP_" in skipped.get("message", ""):
+            outcome, reason = "skipped", skip_reason(case.findtext("system-out") or "")
+        elif status == "run":
             outcome, reason = "passed", ""
+        else:
+            outcome, reason = "failed", "could not be run"
         yield Result(path.stem, case.get("name"), outcome, reason, float(case.get("time") or 0))
 
 
@@ -63,8 +64,9 @@ def main():
     for r in results:
         if r.outcome == "failed":
             print(f"FAILED {r.suite}: {r.name} {r.reason}".rstrip())
-    slow = sorted(results, key=lambda r: -r.seconds)[:5]
-    print("slowest: " + ", ".join(f"{r.name} ({r.suite}) {r.seconds:.1f} s" for r in slow if r.seconds >= 1))
+    slow = [r for r in sorted(results, key=lambda r: -r.seconds)[:5] if r.seconds >= 1]
+    if slow:
+        print("slowest: " + ", ".join(f"{r.name} ({r.suite}) {r.seconds:.1f} s" for r in slow))
 
     total = collections.Counter(r.outcome for r in results)
     print(f"{total['passed']} passed, {total['failed']} failed, {total['skipped']} skipped")
