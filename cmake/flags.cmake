@@ -23,8 +23,6 @@ if(RDS_SANITIZE)
   target_link_options(rds_flags INTERFACE -fsanitize=${RDS_SANITIZE})
 endif()
 
-# Only the libraries that are used are loaded when the program starts, and symbols are bound when first called.
-add_link_options(-Wl,--as-needed)
 find_program(RDS_LINKER NAMES mold ld.lld)
 if(RDS_LINKER MATCHES "mold$" AND CMAKE_CXX_COMPILER_VERSION VERSION_GREATER_EQUAL 12)
   add_link_options(-fuse-ld=mold)
