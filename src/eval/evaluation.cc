@@ -2,7 +2,9 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 #include <utility>
 
@@ -37,6 +39,13 @@ void CheckMatches(const Trajectory& estimate, const Trajectory& ground_truth, co
       "only {} of the estimate's {} poses match the ground truth's in time, 3 are needed; the estimate covers {}, the "
       "ground truth {} (a greater difference of times may be allowed, or the ground truth interpolated)",
       evaluation.matches.size(), estimate.size(), span(estimate), span(ground_truth)));
+}
+
+Trajectory Between(const Trajectory& trajectory, double begin_s, double end_s) {
+  Trajectory part;
+  std::copy_if(trajectory.begin(), trajectory.end(), std::back_inserter(part),
+               [&](const StampedPose& pose) { return pose.timestamp_s >= begin_s && pose.timestamp_s <= end_s; });
+  return part;
 }
 
 // Aligns the matches' estimates and fills in what describes the absolute error.
@@ -129,6 +138,8 @@ Evaluation Evaluate(const Trajectory& estimate, const Trajectory& ground_truth, 
   evaluation.matches = options.interpolate ? MatchInterpolated(estimate, ground_truth, options.max_gap_s)
                                            : MatchNearest(estimate, ground_truth, options.max_difference_s);
   CheckMatches(estimate, ground_truth, evaluation);
+  evaluation.ground_truth = Between(ground_truth, evaluation.matches.front().timestamp_s - options.max_difference_s,
+                                    evaluation.matches.back().timestamp_s + options.max_difference_s);
   AlignAndMeasure(evaluation);
   MeasureRelative(evaluation);
   return evaluation;

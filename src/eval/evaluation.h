@@ -30,6 +30,7 @@ struct Evaluation {
   std::size_t ground_truth_poses = 0;
   Alignment ground_truth_from_estimate;
   std::vector<MatchedPose> matches;      // estimate aligned
+  Trajectory ground_truth;               // over the time of the matches
   std::vector<double> position_error_m;  // one for each match
   Statistics ate_m;                      // of position_error_m
   // Relative pose error over all pairs of matches (i, j) that are `delta` apart. In frames: j = i + delta. In seconds:
