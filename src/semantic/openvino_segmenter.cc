@@ -16,6 +16,7 @@
 #include <map>
 #include <mutex>
 #include <openvino/core/preprocess/pre_post_process.hpp>
+#include <openvino/frontend/manager.hpp>
 #include <openvino/op/interpolate.hpp>
 #include <openvino/openvino.hpp>
 #include <openvino/opsets/opset8.hpp>
@@ -142,15 +143,26 @@ void Reshape(const std::shared_ptr<ov::Model>& network, const SegmentationModel&
   network->validate_nodes_and_infer_types();
 }
 
-std::shared_ptr<ov::Model> ReadNetwork(ov::Core& core, const SegmentationModel& model) {
-  std::shared_ptr<ov::Model> network;
+// By the format that the file's name says. (ov::Core::read_model would load the readers of all formats and ask each,
+// which takes longer and lets some of them print complaints.)
+std::shared_ptr<ov::Model> ReadFile(const std::string& weights) {
+  static const std::map<std::string, std::string> formats = {{".onnx", "onnx"}, {".tflite", "tflite"}, {".xml", "ir"}};
+  const auto format = formats.find(std::filesystem::path(weights).extension().string());
+  if (format == formats.end()) {
+    throw InputError(fmt::format("weights {}: wanted is a file of type .onnx, .tflite, or .xml (OpenVINO)", weights));
+  }
   try {
-    network = core.read_model(model.weights);
+    const ov::frontend::FrontEnd::Ptr reader = ov::frontend::FrontEndManager().load_by_framework(format->second);
+    return reader->convert(reader->load(weights));
   } catch (const std::exception& error) {
     throw InputError(
         fmt::format("weights {}: not readable, perhaps cut short ({}); fetch them again with `rds fetch weights`",
-                    model.weights, LastLine(error.what())));
+                    weights, LastLine(error.what())));
   }
+}
+
+std::shared_ptr<ov::Model> ReadNetwork(const SegmentationModel& model) {
+  std::shared_ptr<ov::Model> network = ReadFile(model.weights);
   try {
     if (network->inputs().size() != 1 || network->input().get_partial_shape().rank() != 4) {
       throw InputError("wanted is a network with one input of four dimensions");
@@ -264,7 +276,7 @@ class OpenVinoSegmenter final : public Segmenter {
   using Shape = std::tuple<int, int, int>;  // width, height, batch
 
   void Read() {
-    network_ = ReadNetwork(core_, model_);
+    network_ = ReadNetwork(model_);
     const ov::Shape shape = network_->input().get_shape();
     const bool first = model_.input_order == ChannelOrder::kFirst;
     network_height_ = static_cast<int>(shape[first ? 2 : 1]);
