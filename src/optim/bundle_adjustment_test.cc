@@ -137,7 +137,7 @@ TEST(AdjustBundle, RecoversAPerturbedScene) {
   EXPECT_GT(result.iterations, 0);
 }
 
-TEST(AdjustBundle, RecoversASceneWithManyFreePoses) {  // large enough for the sparse solver
+TEST(AdjustBundle, RecoversASceneWithManyFreePoses) {
   const Scene scene = MakeScene(80, 2, 400, 0.01, 0.02);
   const BundleResult result = AdjustBundle(scene.problem);
   EXPECT_LT(LargestPoseError(scene, result), 1e-6);

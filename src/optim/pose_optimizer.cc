@@ -6,6 +6,7 @@
 #include <initializer_list>
 
 #include "base/error.h"
+#include "optim/reprojection.h"
 
 namespace rds {
 namespace {
@@ -13,8 +14,8 @@ namespace {
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-constexpr double kMinDepth_m = 1e-6;  // nearer than this counts as behind the camera
-constexpr double kMaxInput = 1e9;     // metres or pixels; anything larger (or NaN) is never used
+constexpr double kMinReprojectionDepth_m = 1e-6;  // nearer than this counts as behind the camera
+constexpr double kMaxInput = 1e9;                 // metres or pixels; anything larger (or NaN) is never used
 
 constexpr double kTinyStep = 1e-7;        // metres and radians: the last round has converged
 constexpr double kSmallStep = 1e-5;       // ... and good enough for another classification
@@ -108,23 +109,12 @@ Problem::Problem(const PinholeCamera& camera, std::span<const PoseObservation> o
 
 int Problem::Classify(const Rigid3& camera_from_world, std::vector<std::uint8_t>* inlier) const {
   const Eigen::Matrix3d rotation = camera_from_world.RotationMatrix();
-  const Eigen::Vector3d& translation = camera_from_world.translation;
-  const double bf = camera_.Bf();
   inlier->assign(observations_.size(), 0);
   int count = 0;
   for (std::size_t i = 0; i < observations_.size(); ++i) {
-    const Eigen::Vector3d point = rotation * observations_[i].point_in_world + translation;
-    if (usable_[i] == 0 || !(point.z() > kMinDepth_m)) {
-      continue;
-    }
     const PixelObservation& keypoint = observations_[i].keypoint;
-    const Eigen::Vector2d projected = camera_.Project(point);
-    double squared_px = (keypoint.pixel - projected).squaredNorm();
-    if (keypoint.HasDepth()) {
-      const double error = keypoint.right_x - (projected.x() - bf / point.z());
-      squared_px += error * error;
-    }
-    if (squared_px * keypoint.inverse_sigma2 <= (keypoint.HasDepth() ? kChi2Depth : kChi2Mono)) {
+    const Eigen::Vector3d point = rotation * observations_[i].point_in_world + camera_from_world.translation;
+    if (usable_[i] != 0 && IsInlier(keypoint, ReprojectionChi2(camera_, keypoint, point))) {
       (*inlier)[i] = 1;
       ++count;
     }
@@ -140,7 +130,7 @@ int Problem::Activate(const Rigid3& camera_from_world, const std::vector<std::ui
     const bool active = only != nullptr ? (*only)[i] != 0
                                         : usable_[i] != 0 && depth_row.dot(observations_[i].point_in_world) +
                                                                      camera_from_world.translation.z() >
-                                                                 kMinDepth_m;
+                                                                 kMinReprojectionDepth_m;
     const double information = active ? keypoint.weight * keypoint.weight * keypoint.inverse_sigma2 : 0.0;
     blocks_[i / kLanes].information[static_cast<Eigen::Index>(i % kLanes)] = information;
     count += information > 0 ? 1 : 0;
@@ -170,7 +160,7 @@ NormalEquations Problem::Evaluate(const Rigid3& camera_from_world, bool robust) 
     const Lanes qy = r(1, 0) * block.x + r(1, 1) * block.y + r(1, 2) * block.z;
     const Lanes qz = r(2, 0) * block.x + r(2, 1) * block.y + r(2, 2) * block.z;
     // A point that a step carries behind the camera gets a huge residual: the step is rejected.
-    const Lanes inverse_z = (qz + t.z()).max(kMinDepth_m).inverse();
+    const Lanes inverse_z = (qz + t.z()).max(kMinReprojectionDepth_m).inverse();
     const Lanes x = (qx + t.x()) * inverse_z;
     const Lanes y = (qy + t.y()) * inverse_z;
     const Lanes projected_u = fx * x + camera_.cx;
@@ -308,19 +298,8 @@ bool PoseResidual(const PinholeCamera& camera, const Rigid3& camera_from_world, 
   if (!(point.z() > 0)) {
     return false;
   }
-  const PixelObservation& keypoint = observation.keypoint;
-  const Eigen::Vector2d projected = camera.Project(point);
-  const double inverse_z = 1.0 / point.z();
-  Eigen::Matrix3d by_point;
-  by_point << -camera.fx * inverse_z, 0, camera.fx * point.x() * inverse_z * inverse_z,  //
-      0, -camera.fy * inverse_z, camera.fy * point.y() * inverse_z * inverse_z,          //
-      0, 0, 0;
-  *residual_px << keypoint.pixel - projected, 0.0;
-  if (keypoint.HasDepth()) {
-    residual_px->z() = keypoint.right_x - (projected.x() - camera.Bf() * inverse_z);
-    by_point.row(2) = by_point.row(0);
-    by_point(2, 2) -= camera.Bf() * inverse_z * inverse_z;
-  }
+  const Eigen::Matrix3d by_point = ReprojectionJacobian(camera, observation.keypoint, point);
+  *residual_px = ReprojectionError(camera, observation.keypoint, point);
   jacobian->leftCols<3>() = by_point;
   jacobian->rightCols<3>() = -by_point * CrossMatrix(rotated);
   return true;

@@ -2,12 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "geometry/numeric_jacobian.h"
 
 namespace rds {
 namespace {
-
-using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 PinholeCamera TestCamera() {
   PinholeCamera camera;
@@ -18,104 +18,63 @@ PinholeCamera TestCamera() {
   return camera;
 }
 
-ReprojectionTarget TestTarget() {
+PixelObservation TestKeypoint(bool has_depth) {
   PixelObservation keypoint;
   keypoint.pixel = {300, 200};
-  keypoint.right_x = 280;
+  keypoint.right_x = has_depth ? 280 : -1;
   keypoint.inverse_sigma2 = 0.6;
   keypoint.weight = 0.7;
-  return ReprojectionTarget(keypoint);
+  return keypoint;
 }
 
 const Eigen::Vector3d kPoint(0.3, -0.2, 2.1);
 
-PoseVariable At(const Vector6& increment) {
-  PoseVariable pose({ExpSo3({0.4, -0.3, 0.2}), {0.1, 0.2, 0.5}});
-  Eigen::Map<Vector6>(pose.increment.data()) = increment;
-  pose.Update();
-  return pose;
-}
-
-template <int Rows>
-void ExpectJacobiansMatchDifferences(const Vector6& increment) {
-  using Vector = Eigen::Matrix<double, Rows, 1>;
-  const auto residual = [](const Vector6& change, const Eigen::Vector3d& point) {
-    Vector result;
-    EvaluateReprojection<Rows>(TestCamera(), At(change), TestTarget(), point.data(), result.data(), nullptr, nullptr);
-    return result;
-  };
-  Vector unused;
-  Eigen::Matrix<double, Rows, 6, Eigen::RowMajor> by_increment;
-  Eigen::Matrix<double, Rows, 3, Eigen::RowMajor> by_point;
-  EvaluateReprojection<Rows>(TestCamera(), At(increment), TestTarget(), kPoint.data(), unused.data(),
-                             by_increment.data(), by_point.data());
-  const auto numeric_increment =
-      NumericJacobian<Rows, 6>([&](const Vector6& x) { return residual(x, kPoint); }, increment);
-  const auto numeric_point =
-      NumericJacobian<Rows, 3>([&](const Eigen::Vector3d& x) { return residual(increment, x); }, kPoint);
-  EXPECT_LT((by_increment - numeric_increment).cwiseAbs().maxCoeff(), 1e-5 * numeric_increment.cwiseAbs().maxCoeff());
-  EXPECT_LT((by_point - numeric_point).cwiseAbs().maxCoeff(), 1e-5 * numeric_point.cwiseAbs().maxCoeff());
-}
-
-TEST(Reprojection, JacobiansMatchDifferencesAtTheStart) {
-  ExpectJacobiansMatchDifferences<2>(Vector6::Zero());
-  ExpectJacobiansMatchDifferences<3>(Vector6::Zero());
-}
-
-TEST(Reprojection, JacobiansMatchDifferencesFarFromTheStart) {
-  Vector6 increment;
-  increment << 0.3, -0.1, 0.4, 0.5, -0.4, 0.6;
-  ExpectJacobiansMatchDifferences<2>(increment);
-  ExpectJacobiansMatchDifferences<3>(increment);
-}
-
-TEST(Reprojection, ResidualIsWeightedMeasuredMinusProjected) {
+TEST(Reprojection, ErrorIsMeasuredMinusProjected) {
   const PinholeCamera camera = TestCamera();
-  const PoseVariable pose(Rigid3{});
-  const double scale = 0.7 * std::sqrt(0.6);
-  Eigen::Vector3d residual;
-  EvaluateReprojection<3>(camera, pose, TestTarget(), kPoint.data(), residual.data(), nullptr, nullptr);
   const Eigen::Vector2d projected = camera.Project(kPoint);
-  EXPECT_NEAR(residual.x(), scale * (300 - projected.x()), 1e-12);
-  EXPECT_NEAR(residual.y(), scale * (200 - projected.y()), 1e-12);
-  EXPECT_NEAR(residual.z(), scale * (280 - (projected.x() - camera.fx * camera.baseline_m / kPoint.z())), 1e-12);
+  const Eigen::Vector3d with = ReprojectionError(camera, TestKeypoint(true), kPoint);
+  EXPECT_NEAR(with.x(), 300 - projected.x(), 1e-12);
+  EXPECT_NEAR(with.y(), 200 - projected.y(), 1e-12);
+  EXPECT_NEAR(with.z(), 280 - (projected.x() - camera.fx * camera.baseline_m / kPoint.z()), 1e-12);
+  const Eigen::Vector3d without = ReprojectionError(camera, TestKeypoint(false), kPoint);
+  EXPECT_EQ(without.head<2>(), with.head<2>());
+  EXPECT_EQ(without.z(), 0);
 }
 
-TEST(Reprojection, TargetThatTakesNoPartIsZeroEvenForNonsense) {
-  const PoseVariable pose(Rigid3{});
-  const Eigen::Vector3d nonsense = Eigen::Vector3d::Constant(std::nan(""));
-  Eigen::Vector3d residual;
-  Eigen::Matrix<double, 3, 6, Eigen::RowMajor> by_increment;
-  Eigen::Matrix<double, 3, 3, Eigen::RowMajor> by_point;
-  EvaluateReprojection<3>(TestCamera(), pose, ReprojectionTarget(), nonsense.data(), residual.data(),
-                          by_increment.data(), by_point.data());
-  EXPECT_TRUE(residual.isZero(0) && by_increment.isZero(0) && by_point.isZero(0));
+TEST(Reprojection, JacobianMatchesDifferences) {
+  for (const bool has_depth : {false, true}) {
+    const PixelObservation keypoint = TestKeypoint(has_depth);
+    const Eigen::Matrix3d analytic = ReprojectionJacobian(TestCamera(), keypoint, kPoint);
+    const Eigen::Matrix3d numeric = NumericJacobian<3, 3>(
+        [&](const Eigen::Vector3d& point) { return ReprojectionError(TestCamera(), keypoint, point); }, kPoint);
+    EXPECT_LT((analytic - numeric).cwiseAbs().maxCoeff(), 1e-6);
+    EXPECT_EQ(analytic.row(2).isZero(0), !has_depth);
+  }
 }
 
-TEST(Reprojection, PointBehindTheCameraIsFiniteAndBad) {
-  const Eigen::Vector3d behind(0.1, 0.1, -1);
-  Eigen::Vector3d residual;
-  EvaluateReprojection<3>(TestCamera(), PoseVariable(Rigid3{}), TestTarget(), behind.data(), residual.data(), nullptr,
-                          nullptr);
-  EXPECT_TRUE(residual.allFinite());
-  EXPECT_GT(residual.norm(), 1e6);
+TEST(Reprojection, Chi2IsUnweighted) {
+  const PixelObservation keypoint = TestKeypoint(true);
+  const double squared_px = ReprojectionError(TestCamera(), keypoint, kPoint).squaredNorm();
+  EXPECT_NEAR(ReprojectionChi2(TestCamera(), keypoint, kPoint), 0.6 * squared_px, 1e-9);
 }
 
-TEST(PoseVariable, ValueIsThePerturbedStart) {
-  Vector6 increment;
-  increment << 0.3, -0.1, 0.4, 0.5, -0.4, 0.6;
-  const PoseVariable pose = At(increment);
-  const Rigid3 expected = Perturb(increment, pose.initial_camera_from_world);
-  EXPECT_TRUE(pose.Value().rotation.isApprox(expected.rotation, 1e-14));
-  EXPECT_TRUE(pose.Value().translation.isApprox(expected.translation, 1e-14));
-  EXPECT_TRUE(pose.rotation.isApprox(expected.RotationMatrix(), 1e-14));
-  EXPECT_TRUE(pose.translation.isApprox(expected.translation, 1e-14));
+TEST(Reprojection, Chi2IsInfiniteBehindTheCameraAndForNonsense) {
+  PixelObservation keypoint = TestKeypoint(true);
+  const double nan = std::nan("");
+  for (const Eigen::Vector3d& point :
+       {Eigen::Vector3d(0, 0, -1), {0, 0, 0}, {1, 1, 1e-300}, {nan, 0, 1}, {0, 0, nan}, {1e300, 0, 1}}) {
+    EXPECT_TRUE(std::isinf(ReprojectionChi2(TestCamera(), keypoint, point))) << point.transpose();
+  }
+  keypoint.pixel.x() = nan;
+  EXPECT_TRUE(std::isinf(ReprojectionChi2(TestCamera(), keypoint, kPoint)));
 }
 
-TEST(PoseVariable, ZeroIncrementKeepsTheBytes) {
-  const Rigid3 start{ExpSo3({0.4, -0.3, 0.2}), {0.1, 0.2, 0.5}};
-  EXPECT_EQ(PoseVariable(start).Value().rotation.coeffs(), start.rotation.coeffs());
-  EXPECT_EQ(PoseVariable(start).Value().translation, start.translation);
+TEST(Reprojection, InlierThresholdDependsOnDepth) {
+  EXPECT_TRUE(IsInlier(TestKeypoint(false), 5.99));
+  EXPECT_FALSE(IsInlier(TestKeypoint(false), 6.0));
+  EXPECT_TRUE(IsInlier(TestKeypoint(true), 7.81));
+  EXPECT_FALSE(IsInlier(TestKeypoint(true), 7.82));
+  EXPECT_FALSE(IsInlier(TestKeypoint(true), std::nan("")));
 }
 
 }  // namespace

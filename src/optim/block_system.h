@@ -1,0 +1,43 @@
+// Symmetric linear systems of 6x6 blocks, as they remain of a bundle adjustment when the points are eliminated.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace rds {
+
+// A symmetric positive definite matrix of n x n blocks, of which the lower ones are stored if declared. Small systems
+// are factorised as dense matrices, large ones as sparse matrices with a minimum degree ordering. Not thread-safe.
+class BlockSystem {
+ public:
+  using Block = Eigen::Matrix<double, 6, 6>;
+
+  explicit BlockSystem(std::size_t blocks);
+
+  // Declares block (row, column), row >= column. Diagonal blocks are always there. Before SetZero only.
+  void Declare(std::size_t row, std::size_t column);
+  // Sets all declared blocks to zero.
+  void SetZero();
+  // A declared block.
+  Block& At(std::size_t row, std::size_t column) {
+    return blocks_[static_cast<std::size_t>(index_[row * size_ + column])];
+  }
+  // x with S x = right, right having 6 n rows; of diagonal blocks only the lower triangles are read. Empty if S is not
+  // positive definite.
+  [[nodiscard]] Eigen::VectorXd Solve(const Eigen::VectorXd& right) const;
+
+  [[nodiscard]] std::size_t size() const { return size_; }
+
+ private:
+  [[nodiscard]] Eigen::VectorXd SolveDense(const Eigen::VectorXd& right) const;
+  [[nodiscard]] Eigen::VectorXd SolveSparse(const Eigen::VectorXd& right) const;
+
+  std::size_t size_;
+  std::vector<std::int32_t> index_;  // into blocks_, row by row; -1 = not declared
+  std::vector<Block> blocks_;
+  std::int32_t declared_ = 0;
+};
+
+}  // namespace rds
