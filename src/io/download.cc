@@ -102,7 +102,13 @@ Attempt RequestInto(const fs::path& file, const std::string& url, std::int64_t f
     throw InputError(fmt::format("{}: cannot be written", file.string()));
   }
   sink.done = from;
-  return Request(url, sink);
+  Attempt attempt = Request(url, sink);
+  sink.stream.close();
+  if (sink.done == 0) {
+    std::error_code error;
+    fs::remove(file, error);  // nothing came; leave nothing
+  }
+  return attempt;
 }
 
 }  // namespace

@@ -265,6 +265,7 @@ TEST_F(WeightsFetchTest, RefusalsAreNotRetried) {
   const std::string error = Error(server.Url());
   EXPECT_THAT(error, HasSubstr("404"));
   EXPECT_THAT(error, HasSubstr("by hand"));
+  EXPECT_FALSE(fs::exists(part_));
   EXPECT_EQ(server.starts().size(), 1U);
 }
 
@@ -278,6 +279,17 @@ TEST_F(WeightsFetchTest, NoNetworkNamesUrlAndTheWayByHand) {
   EXPECT_THAT(error, HasSubstr(url + "/net.tflite"));
   EXPECT_THAT(error, HasSubstr(file_.string()));
   EXPECT_THAT(Error("file:///etc"), HasSubstr("file:///etc/net.tflite"));
+}
+
+TEST_F(WeightsFetchTest, AFullDiskIsNamed) {
+  if (!fs::exists("/dev/full")) {
+    GTEST_SKIP() << "no /dev/full";
+  }
+  fs::create_directories(cache_);
+  fs::create_symlink("/dev/full", part_);
+  const LocalServer server({.body = body_});
+  EXPECT_THAT(Error(server.Url()), HasSubstr("disk full"));
+  EXPECT_FALSE(fs::exists(file_));
 }
 
 TEST_F(WeightsFetchTest, AFolderThatCannotBeMadeIsNamed) {
