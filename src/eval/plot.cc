@@ -237,13 +237,13 @@ void DrawHeader(SvgWriter& svg, const Window& window, const Evaluation& evaluati
   double x = window.Left();
   svg.Line({x, y - 4}, {x + 28, y - 4}, "stroke='#8a8a8a' stroke-width='1.6' stroke-dasharray='5 3'");
   svg.Text({x += 34, y}, SvgAnchor::kStart, "ground truth");
-  x += 86;
+  x += 100;
   svg.Line({x, y - 4}, {x + 28, y - 4}, "stroke='" + ColorOf(kColors / 3) + "' stroke-width='2.2'");
   svg.Text({x += 34, y}, SvgAnchor::kStart, "estimate");
-  x += 66;
+  x += 78;
   svg.Circle({x + 5, y - 4}, 5, "fill='#fff' stroke='#111' stroke-width='2'");
   svg.Text({x += 16, y}, SvgAnchor::kStart, "start");
-  x += 42;
+  x += 52;
   svg.Rectangle({x, y - 8.5}, 9, 9, "fill='#111' stroke='#fff'");
   svg.Text({x + 15, y}, SvgAnchor::kStart, "end");
 }
