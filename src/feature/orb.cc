@@ -42,7 +42,7 @@ void LookUpDepth(const PinholeCamera& camera, const Image16& depth, std::vector<
   const auto metres_per_unit = static_cast<float>(1 / camera.depth_scale);
   for (Keypoint& keypoint : keypoints) {
     const std::uint16_t raw =
-        depth.At(static_cast<int>(keypoint.raw_x + 0.5F), static_cast<int>(keypoint.raw_y + 0.5F));
+        depth.At(static_cast<int>(std::lround(keypoint.raw_x)), static_cast<int>(std::lround(keypoint.raw_y)));
     if (raw != 0 && raw != std::numeric_limits<std::uint16_t>::max()) {
       keypoint.depth_m = static_cast<float>(raw) * metres_per_unit;
       keypoint.right_x = keypoint.x - bf / keypoint.depth_m;
@@ -126,7 +126,8 @@ void OrbExtractor::Impl::ExtractLevel(std::size_t level, std::vector<Keypoint>& 
 OrbExtractor::OrbExtractor(const OrbOptions& options) {
   Check(options.features >= 0 && options.features < std::numeric_limits<std::uint16_t>::max(),
         "fewer than 65535 features");
-  Check(options.levels > 0 && options.levels <= 255 && options.scale_factor > 1, "a pyramid has levels that shrink");
+  Check(options.levels > 0 && options.levels <= 255 && options.scale_factor > 1 && options.scale_factor <= 4,
+        "a pyramid has levels that shrink, by at most 4");
   Check(options.min_fast_threshold >= 0 && options.min_fast_threshold <= options.fast_threshold &&
             options.fast_threshold <= 255,
         "FAST thresholds are grey values, the minimum not above the other");
@@ -142,6 +143,8 @@ FrameData OrbExtractor::Extract(const PinholeCamera& camera, const Image8& image
         "a grey or BGR image of the camera's size");
   Check(depth.width == camera.width && depth.height == camera.height && depth.channels == 1,
         "a depth image of the camera's size");
+  Check(std::max(image.width, image.height) <= std::numeric_limits<std::int16_t>::max(),
+        "an image of at most 32767 pixels a side");
   std::vector<Keypoint> keypoints;
   std::vector<Descriptor> descriptors;
   keypoints.reserve(static_cast<std::size_t>(impl_->options.features));

@@ -64,11 +64,11 @@ Orientation OrientationAt(const std::uint8_t* centre, std::ptrdiff_t stride) {
 }
 
 PatchDescriber::PatchDescriber() {
-  for (std::size_t i = 0; i < kOrbPattern.size(); ++i) {
-    x_[2 * i] = kOrbPattern[i].ax;
-    y_[2 * i] = kOrbPattern[i].ay;
-    x_[2 * i + 1] = kOrbPattern[i].bx;
-    y_[2 * i + 1] = kOrbPattern[i].by;
+  for (std::size_t i = 0; i < kPoints / 2; ++i) {
+    x_[2 * i] = OrbPattern()[i].ax;
+    y_[2 * i] = OrbPattern()[i].ay;
+    x_[2 * i + 1] = OrbPattern()[i].bx;
+    y_[2 * i + 1] = OrbPattern()[i].by;
   }
 }
 
@@ -87,6 +87,7 @@ Descriptor PatchDescriber::Describe(const std::uint8_t* centre, std::ptrdiff_t s
   Descriptor descriptor;
   for (std::size_t word = 0; word < descriptor.size(); ++word) {
     std::uint64_t bits = 0;
+#pragma GCC unroll 8
     for (std::size_t i = 64; i-- > 0;) {
       std::uint64_t pair = 0;  // both offsets in one load
       std::memcpy(&pair, &offsets[2 * (64 * word + i)], sizeof pair);

@@ -109,20 +109,22 @@ void FastDetector::Detect(const GreyPlane& image, std::uint8_t threshold, int bo
     row.filled.assign(static_cast<std::size_t>(image.width() / kByteLanes + 1), 0);
   }
   for (int y = border - 1; y < image.height() - border + 1; ++y) {
-    Score(image, y, threshold, begin, end, rows_[y % 3]);
+    Score(image, y, threshold, begin, end, RowOf(y));
     if (y > border) {
       FindMaxima(y - 1, threshold, begin, end, corners);
     }
   }
 }
 
-void FastDetector::FindMaxima(int y, std::uint8_t threshold, int begin, int end, std::vector<Corner>& corners) const {
+void FastDetector::FindMaxima(int y, std::uint8_t threshold, int begin, int end, std::vector<Corner>& corners) {
   const ByteVector thresholds = ByteVector{} + threshold;
-  const std::uint8_t* const filled = rows_[y % 3].filled.data();
+  const std::uint8_t* const filled = RowOf(y).filled.data();
   // Index of a score is x + 1.
-  const std::uint8_t* const upper = rows_[(y - 1) % 3].scores.data() + 1;
-  const std::uint8_t* const row = rows_[y % 3].scores.data() + 1;
-  const std::uint8_t* const lower = rows_[(y + 1) % 3].scores.data() + 1;
+  const std::uint8_t* const upper = RowOf(y - 1).scores.data() + 1;
+  const std::uint8_t* const row = RowOf(y).scores.data() + 1;
+  const std::uint8_t* const lower = RowOf(y + 1).scores.data() + 1;
+  row_corners_.resize(static_cast<std::size_t>(end));
+  Corner* found = row_corners_.data();
   for (int block = 0, block_x = begin; block_x < end; ++block, block_x += kByteLanes) {
     if (filled[block] == 0) {
       continue;
@@ -131,11 +133,17 @@ void FastDetector::FindMaxima(int y, std::uint8_t threshold, int begin, int end,
     for (; mask != 0; mask &= mask - 1) {
       const int x = block_x + std::countr_zero(mask);
       if (x > begin && x < end - 1) {
-        corners.push_back({static_cast<std::int16_t>(x), static_cast<std::int16_t>(y), row[x], row[x - 1], row[x + 1],
-                           upper[x], lower[x]});
+        *found++ = {static_cast<std::int16_t>(x),
+                    static_cast<std::int16_t>(y),
+                    row[x],
+                    row[x - 1],
+                    row[x + 1],
+                    upper[x],
+                    lower[x]};
       }
     }
   }
+  corners.insert(corners.end(), row_corners_.data(), found);
 }
 
 }  // namespace rds

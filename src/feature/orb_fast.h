@@ -1,6 +1,7 @@
 // FAST corners.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -45,9 +46,12 @@ class FastDetector {
   };
   // Both for pixels `begin` to `end` of a row, and for maxima not the first and last.
   void Score(const GreyPlane& image, int y, std::uint8_t threshold, int begin, int end, ScoreRow& row) const;
-  void FindMaxima(int y, std::uint8_t threshold, int begin, int end, std::vector<Corner>& corners) const;
+  void FindMaxima(int y, std::uint8_t threshold, int begin, int end, std::vector<Corner>& corners);
 
-  ScoreRow rows_[3];  // row y is rows_[y % 3]
+  [[nodiscard]] ScoreRow& RowOf(int y) { return rows_[static_cast<unsigned>(y) % 3]; }
+
+  std::array<ScoreRow, 3> rows_;  // the last three
+  std::vector<Corner> row_corners_;
 };
 
 }  // namespace rds

@@ -57,8 +57,8 @@ void Shrinker::Prepare(int from_width, int to_width, double factor) {
   blocks_.clear();
   for (int begin = 0; begin < to_width; begin += kBlock) {
     Block& block = blocks_.emplace_back();
-    for (int i = 0; i < kBlock; ++i) {
-      const double x = (std::min(begin + i, to_width - 1) + 0.5) * factor - 0.5;
+    for (std::size_t i = 0; i < kBlock; ++i) {
+      const double x = (std::min(begin + static_cast<int>(i), to_width - 1) + 0.5) * factor - 0.5;
       int left = std::min(static_cast<int>(x), from_width - 1);
       int weight = static_cast<int>(std::lround((x - left) * kOne));
       if (left == from_width - 1) {
@@ -83,7 +83,7 @@ void Shrinker::ShrinkRow(int width, std::uint8_t* to) const {
   if (!narrow_) {
     for (int x = 0; x < width; ++x) {
       const Block& block = blocks_[static_cast<std::size_t>(x / kBlock)];
-      const int i = x % kBlock;
+      const auto i = static_cast<std::size_t>(x % kBlock);
       const int left = from[block.base + block.neighbours[2 * i]];
       const int right = from[block.base + block.neighbours[2 * i + 1]];
       to[x] =
@@ -96,8 +96,8 @@ void Shrinker::ShrinkRow(int width, std::uint8_t* to) const {
     Bytes16 neighbours;
     Words8 weights;
     std::memcpy(&pixels, from + block.base, sizeof pixels);
-    std::memcpy(&neighbours, block.neighbours, sizeof neighbours);
-    std::memcpy(&weights, block.weights, sizeof weights);
+    std::memcpy(&neighbours, block.neighbours.data(), sizeof neighbours);
+    std::memcpy(&weights, block.weights.data(), sizeof weights);
     const auto pairs = std::bit_cast<Words8>(Shuffle(pixels, neighbours));
     const Words8 sum = (pairs & 0xff) * (kOne - weights) + (pairs >> 8) * weights + kOne / 2;
     const auto result = __builtin_convertvector(sum / kOne, Bytes8);

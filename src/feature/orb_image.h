@@ -1,6 +1,7 @@
 // Grey images of the ORB extractor: conversion, pyramid, blur. All integer arithmetic.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -45,9 +46,9 @@ class Shrinker {
  private:
   // Eight pixels of a row: where they come from.
   struct Block {
-    int base;                     // first source pixel
-    std::uint8_t neighbours[16];  // left and right neighbour of each pixel, from base
-    std::uint16_t weights[8];     // of the right neighbour, of kOne
+    int base;                                 // first source pixel
+    std::array<std::uint8_t, 16> neighbours;  // left and right neighbour of each pixel, from base
+    std::array<std::uint16_t, 8> weights;     // of the right neighbour, of kOne
   };
   void Prepare(int from_width, int to_width, double factor);
   void ShrinkRow(int width, std::uint8_t* to) const;

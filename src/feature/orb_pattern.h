@@ -16,6 +16,6 @@ struct PixelPair {
 
 // Pairs of little mutual correlation, computed from a model of images (see orb_pattern.py), not learned from data. Bit
 // i of a descriptor compares pair i.
-extern const std::array<PixelPair, 256> kOrbPattern;
+[[nodiscard]] const std::array<PixelPair, 256>& OrbPattern();
 
 }  // namespace rds

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Computes the 256 pixel pairs of the descriptor and prints orb_pattern.cc. Needs nothing but Python; takes a minute.
+"""Computes the 256 pixel pairs of the descriptor and prints orb_pattern.cc (then run clang-format). Needs nothing but Python; takes a minute.
 
 rBRIEF (Rublee et al., "ORB: an efficient alternative to SIFT or SURF", ICCV 2011, section 4.3) looks for tests that are
 uncorrelated and have means near 0.5, greedily, over a training set of patches. We do the same without a training set:
@@ -90,10 +90,12 @@ def main():
     print("// Made by orb_pattern.py: do not edit.")
     print('#include "feature/orb_pattern.h"\n')
     print("namespace rds {\n")
-    print("const std::array<PixelPair, 256> kOrbPattern = {{")
+    print("const std::array<PixelPair, 256>& OrbPattern() {")
+    print("static constexpr std::array<PixelPair, 256> kPattern = {{")
     for ax, ay, bx, by, _, _ in choose():
         print(f"    {{{ax}, {ay}, {bx}, {by}}},")
-    print("}};\n")
+    print("}};")
+    print("return kPattern;\n}\n")
     print("}  // namespace rds")
 
 

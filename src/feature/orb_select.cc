@@ -44,9 +44,14 @@ void CornerSelector::DropWeak(int width, int height, std::uint8_t strong_thresho
     std::uint8_t& strongest = strongest_[grid.CellOf(corner)];
     strongest = std::max(strongest, corner.score);
   }
-  std::erase_if(corners, [&](const Corner& corner) {
-    return corner.score <= strong_threshold && strongest_[grid.CellOf(corner)] > strong_threshold;
-  });
+  // Compaction without branches: which corners are weak is hard to predict.
+  Corner* kept = corners.data();
+  for (const Corner& corner : corners) {
+    *kept = corner;
+    kept += static_cast<int>(corner.score > strong_threshold) |
+            static_cast<int>(strongest_[grid.CellOf(corner)] <= strong_threshold);
+  }
+  corners.erase(corners.begin() + (kept - corners.data()), corners.end());
 }
 
 void CornerSelector::Spread(int width, int height, std::size_t wanted, std::vector<Corner>& corners) {

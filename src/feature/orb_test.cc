@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
@@ -109,9 +110,9 @@ TEST(OrbExtractor, SpreadsFeaturesOverTheImage) {
   const FrameData frame = ExtractFrom(image);
   EXPECT_GE(frame.size(), 990U);
   EXPECT_LE(frame.size(), 1000U);
-  int cells[4][4] = {};
+  std::array<std::array<int, 4>, 4> cells{};
   for (const Keypoint& k : frame.keypoints()) {
-    ++cells[static_cast<int>(k.y / 120)][static_cast<int>(k.x / 160)];
+    ++cells[static_cast<std::size_t>(k.y / 120)][static_cast<std::size_t>(k.x / 160)];
   }
   for (const auto& row : cells) {
     for (const int count : row) {
@@ -144,7 +145,7 @@ TEST(OrbExtractor, DescribesARotatedImageAlike) {
     const FrameData b = ExtractFrom(rotated);
     const std::vector<Correspondence> matches = Match(a, b);
     EXPECT_GE(matches.size(), 250U) << degrees;
-    EXPECT_GT(InlierRatio(a, b, matches, map), 0.75) << degrees;
+    EXPECT_GT(InlierRatio(a, b, matches, map), 0.85) << degrees;
     // The orientation turns with the image (and its angle falls, as y points down).
     std::vector<double> errors;
     for (const Correspondence& match : matches) {
@@ -168,12 +169,12 @@ TEST(OrbExtractor, DescribesAScaledImageAlikeAtAnotherLevel) {
   const FrameData b = ExtractFrom(small, options);
   const std::vector<Correspondence> matches = Match(a, b);
   EXPECT_GE(matches.size(), 250U);
-  EXPECT_GT(InlierRatio(a, b, matches, map), 0.75);
+  EXPECT_GT(InlierRatio(a, b, matches, map), 0.85);
   double levels = 0;
   for (const Correspondence& match : matches) {
     levels += a.keypoints()[match.a].octave - b.keypoints()[match.b].octave;
   }
-  EXPECT_NEAR(levels / static_cast<double>(matches.size()), 3, 0.7);
+  EXPECT_NEAR(levels / static_cast<double>(matches.size()), 3, 0.4);
 }
 
 // Positions of coarse levels must not be shifted against those of fine ones: a square's corners are found in place.
@@ -198,8 +199,8 @@ TEST(OrbExtractor, PlacesCoarseKeypointsWithoutBias) {
   }
   for (std::size_t level = 0; level < sums.size(); ++level) {
     ASSERT_GE(sums[level][2], 20) << level;
-    EXPECT_NEAR(sums[level][0] / sums[level][2], 0, 0.7) << level;
-    EXPECT_NEAR(sums[level][1] / sums[level][2], 0, 0.7) << level;
+    EXPECT_NEAR(sums[level][0] / sums[level][2], 0, 0.45) << level;
+    EXPECT_NEAR(sums[level][1] / sums[level][2], 0, 0.45) << level;
   }
 }
 
