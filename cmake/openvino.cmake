@@ -1,8 +1,9 @@
 # Finds the OpenVINO runtime and gives `rds_add_openvino(TARGET)`. Without it TARGET is built all the same, and says what
 # is missing when asked for the back end.
 #
-# RDS_OPENVINO: AUTO (use it where it is found), ON (it must be found), OFF. Under ThreadSanitizer AUTO means OFF: the
-# runtime is not instrumented, so its own synchronisation looks like races.
+# RDS_OPENVINO: AUTO (use it where it is found), ON (it must be found), OFF. Under sanitizers AUTO means OFF: the runtime
+# is not instrumented, so its own synchronisation looks like races to ThreadSanitizer, and AddressSanitizer ends a
+# program that loads libraries as the runtime's libtbb does (RTLD_DEEPBIND).
 #
 # Looked for in build/deps/openvino of the source tree, where scripts/install_openvino.sh puts it, then wherever
 # find_package looks (OpenVINO_DIR, CMAKE_PREFIX_PATH, distribution packages).
@@ -17,7 +18,7 @@ set(RDS_OPENVINO_ROOT ${PROJECT_SOURCE_DIR}/build/deps/openvino CACHE PATH "Wher
 mark_as_advanced(RDS_OPENVINO_ROOT)
 
 set(RDS_WITH_OPENVINO OFF)
-if(RDS_OPENVINO STREQUAL "ON" OR (RDS_OPENVINO STREQUAL "AUTO" AND NOT RDS_SANITIZE MATCHES "thread"))
+if(RDS_OPENVINO STREQUAL "ON" OR (RDS_OPENVINO STREQUAL "AUTO" AND NOT RDS_SANITIZE))
   if(EXISTS ${RDS_OPENVINO_ROOT}/openvino/cmake/OpenVINOConfig.cmake)
     set(TBB_DIR ${RDS_OPENVINO_ROOT}/openvino/cmake)  # its own; Ceres then takes the same
     find_package(OpenVINO CONFIG QUIET COMPONENTS Runtime
@@ -42,7 +43,8 @@ function(rds_add_openvino target)
   if(NOT RDS_WITH_OPENVINO)
     return()
   endif()
-  set_source_files_properties(${PROJECT_SOURCE_DIR}/src/semantic/openvino_segmenter.cc
+  set_source_files_properties(
+    ${PROJECT_SOURCE_DIR}/src/semantic/openvino_network.cc ${PROJECT_SOURCE_DIR}/src/semantic/openvino_segmenter.cc
     TARGET_DIRECTORY ${target} PROPERTIES COMPILE_DEFINITIONS RDS_WITH_OPENVINO SKIP_PRECOMPILE_HEADERS ON)
   string(FIND "${OpenVINO_DIR}" "${RDS_OPENVINO_ROOT}/" from_wheel)
   if(TARGET TBB::tbb AND from_wheel EQUAL 0)
