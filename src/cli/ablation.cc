@@ -37,6 +37,19 @@ nlohmann::ordered_json Nullable(const std::optional<double>& value) {
 std::span<const AblationVariant> AblationVariants() {
   static const std::array variants = {
       AblationVariant{"whole", "everything as by default", {}},
+      AblationVariant{"paper's unknowns",
+                      "unknown points as Algorithm 2 has them: only while fewer than tau static ones are there",
+                      {"tracking.unknown=paper"}},
+      AblationVariant{
+          "no association", "tracking does not look at moving probabilities", {"tracking.use_semantics=false"}},
+      AblationVariant{
+          "no optimisation", "no semantic-based optimisation of keyframes", {"semantic.optimisation=false"}},
+      AblationVariant{"no weights",
+                      "local bundle adjustment without the weights 1 - p, over all keyframes",
+                      {"mapping.ba_weighted=false", "mapping.ba_labelled_only=false"}},
+      AblationVariant{"sequential", "keyframes are labelled in their order", {"semantic.selection=sequential"}},
+      AblationVariant{"newest", "only the newest keyframes are labelled", {"semantic.selection=newest"}},
+      AblationVariant{"one by one", "keyframes are segmented one by one, not in one request", {"semantic.batch=false"}},
       AblationVariant{"no semantics", "no segmentation at all", {}, false},
   };
   return variants;

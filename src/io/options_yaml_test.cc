@@ -3,9 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <fstream>
-
 #include "base/error.h"
+#include "testing/temporary_folder.h"
 
 namespace rds {
 namespace {
@@ -16,25 +15,19 @@ using ::testing::MatchesRegex;
 
 class OptionsYamlTest : public ::testing::Test {
  protected:
-  std::filesystem::path Write(const std::string& text) {
-    std::ofstream(file_) << text;
-    return file_;
+  [[nodiscard]] std::filesystem::path Write(const std::string& text) const {
+    return folder_.Write("options.yaml", text);
   }
   // What reading `text` complains about, or "".
-  std::string ErrorOf(const std::string& text) {
-    try {
+  [[nodiscard]] std::string ErrorOf(const std::string& text) const {
+    return InputErrorOf([&] {
       Options options;
       ApplyOptionsFile(Write(text), options);
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "";
+    });
   }
-  void TearDown() override { std::filesystem::remove(file_); }
 
-  std::filesystem::path file_ =
-      std::filesystem::path(::testing::TempDir()) /
-      (std::string("rds_options_") + ::testing::UnitTest::GetInstance()->current_test_info()->name() + ".yaml");
+  const TemporaryFolder folder_;
+  const std::filesystem::path file_ = folder_.path() / "options.yaml";
 };
 
 // Options in which every number, flag and choice differs from its default where its range allows.

@@ -8,6 +8,7 @@
 #include <opencv2/videoio.hpp>
 
 #include "base/error.h"
+#include "testing/temporary_folder.h"
 
 namespace rds {
 namespace {
@@ -82,25 +83,16 @@ TEST(RunView, SameInputSamePicture) {
 
 class VideoRecorderTest : public ::testing::Test {
  protected:
-  void SetUp() override {
-    folder_ = fs::path(::testing::TempDir()) /
-              (std::string("rds_video_") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  std::string ErrorOf(const VideoOptions& options) {
-    try {
+  static std::string ErrorOf(const VideoOptions& options) {
+    return InputErrorOf([&options] {
       VideoRecorder recorder(options, kWidth, kHeight);
       recorder.Add(ContentOf(0));
       recorder.Finish();
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "";
+    });
   }
 
-  fs::path folder_;
+  const TemporaryFolder temporary_;
+  const fs::path folder_ = temporary_.path();
 };
 
 TEST_F(VideoRecorderTest, WritesVideoAndStill) {

@@ -127,6 +127,20 @@ void BindSemantic(SemanticOptions& options, OptionTable& table) {
              "unless the rotation is larger than this, degrees");
 }
 
+void BindSegmenter(SegmenterOptions& options, OptionTable& table) {
+  table.Real(
+      "semantic.stored.delay_ms", options.stored_delay_ms, 0, 3.6e6,
+      "back end stored: time that a request takes, milliseconds (in lockstep see semantic.lockstep_delay_frames)");
+  OpenVinoOptions& openvino = options.openvino;
+  table.Text("semantic.openvino.model", options.model,
+             "back end openvino: weights, a file or fast or accurate; empty: $RDS_WEIGHTS, else what was fetched");
+  table.Real("semantic.openvino.threshold", openvino.threshold, 0, 1,
+             "probability from which a pixel is dynamic; 0: as the weights' description says");
+  table.Int("semantic.openvino.threads", openvino.threads, 1, 256, "threads that inference uses");
+  table.Int("semantic.openvino.max_batch", openvino.max_batch, 1, 2, "images in a run of the network");
+  table.Text("semantic.openvino.device", openvino.device, "device, as OpenVINO names it");
+}
+
 void BindOrb(OrbOptions& options, OptionTable& table) {
   table.Int("orb.features", options.features, 100, 10000, "keypoints wanted in a frame");
   table.Int("orb.levels", options.levels, 1, 16, "levels of the scale pyramid");
@@ -159,6 +173,7 @@ OptionTable BindOptions(Options& options) {
   BindPolicy(options.tracking.policy, table);
   BindMapping(options.mapping, options.local_map, table);
   BindSemantic(options.semantic, table);
+  BindSegmenter(options.segmenter, table);
   return table;
 }
 

@@ -12,6 +12,7 @@
 #include "optim/pose_optimizer.h"
 #include "semantic/backlog.h"
 #include "semantic/moving_probability.h"
+#include "semantic/segmenter_factory.h"
 #include "semantic/semantic_optimizer.h"
 #include "system/option_table.h"
 #include "tracking/tracker.h"
@@ -47,6 +48,7 @@ struct Options {
   LocalMapOptions local_map;
   MappingOptions mapping;
   SemanticOptions semantic;
+  SegmenterOptions segmenter;  // for MakeSegmenter; the system itself takes a ready one
 };
 
 // The table of all options, bound to `options`, which must outlive it. The order is the order of printing; keys with

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "base/error.h"
+#include "testing/temporary_folder.h"
 
 namespace rds {
 namespace {
@@ -15,19 +16,8 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-// What an InputError says, or "" if none is thrown.
-template <typename Function>
-std::string ErrorOf(Function&& function) {
-  try {
-    function();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
-}
-
 std::string ErrorOfSet(const std::string& key, const std::string& value) {
-  return ErrorOf([&] {
+  return InputErrorOf([&] {
     Options options;
     SetOption(options, key, value);
   });
@@ -104,17 +94,17 @@ TEST(Options, FailedSetLeavesTheValue) {
 
 TEST(Options, AssignmentNeedsAKey) {
   Options options;
-  EXPECT_THAT(ErrorOf([&] { SetOption(options, "orb.features"); }), HasSubstr("key=value"));
-  EXPECT_THAT(ErrorOf([&] { SetOption(options, "=5"); }), HasSubstr("key=value"));
+  EXPECT_THAT(InputErrorOf([&] { SetOption(options, "orb.features"); }), HasSubstr("key=value"));
+  EXPECT_THAT(InputErrorOf([&] { SetOption(options, "=5"); }), HasSubstr("key=value"));
 }
 
 TEST(Options, ValidateFindsWhatCodeSet) {
   Options options;
   options.orb.levels = 0;
-  EXPECT_THAT(ErrorOf([&] { ValidateOptions(options); }), HasSubstr("orb.levels"));
+  EXPECT_THAT(InputErrorOf([&] { ValidateOptions(options); }), HasSubstr("orb.levels"));
   options = {};
   options.orb.min_fast_threshold = options.orb.fast_threshold + 1;
-  EXPECT_THAT(ErrorOf([&] { ValidateOptions(options); }), HasSubstr("orb.min_fast_threshold"));
+  EXPECT_THAT(InputErrorOf([&] { ValidateOptions(options); }), HasSubstr("orb.min_fast_threshold"));
 }
 
 TEST(OptionTable, ChoiceTakesNamesOnly) {
@@ -126,7 +116,7 @@ TEST(OptionTable, ChoiceTakesNamesOnly) {
   EXPECT_EQ(entry.range, "red, green or blue");
   entry.set("blue");
   EXPECT_EQ(colour, Colour::kBlue);
-  EXPECT_THAT(ErrorOf([&] { entry.set("pink"); }), AllOf(HasSubstr("a.colour"), HasSubstr("red, green or blue")));
+  EXPECT_THAT(InputErrorOf([&] { entry.set("pink"); }), AllOf(HasSubstr("a.colour"), HasSubstr("red, green or blue")));
 }
 
 TEST(OptionTable, SameKeyTwiceIsABug) {

@@ -1,0 +1,110 @@
+#include "cli/play_arguments.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include "base/error.h"
+#include "cli/process_info.h"
+#include "io/camera_config.h"
+#include "io/options_yaml.h"
+#include "semantic/segmenter_factory.h"
+
+namespace rds {
+
+void AddOptionArguments(CLI::App& command, OptionArguments& arguments) {
+  command.add_option("--config", arguments.config, "YAML file of options (see `rds config`)")->type_name("FILE");
+  command
+      .add_option("--set", arguments.set,
+                  "One option, over the file's value; may be given several times, for instance --set orb.features=1500")
+      ->type_name("KEY=VALUE")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+}
+
+Options ResolveOptions(const OptionArguments& arguments) {
+  Options options;
+  if (!arguments.config.empty()) {
+    ApplyOptionsFile(arguments.config, options);
+  }
+  for (const std::string& assignment : arguments.set) {
+    SetOption(options, assignment);
+  }
+  ValidateOptions(options);
+  return options;
+}
+
+void AddPlayArguments(CLI::App& command, PlayArguments& arguments, const std::string& default_segmenter) {
+  arguments.segmenter = default_segmenter;
+  command
+      .add_option("sequence", arguments.sequence,
+                  "Folder in the layout of the TUM and Bonn benchmarks: rgb.txt and depth.txt, or associations.txt")
+      ->type_name("SEQUENCE")
+      ->required();
+  command
+      .add_option("--camera", arguments.camera,
+                  "Camera file, or one of tum_fr1, tum_fr2, tum_fr3, bonn, redkitchen; not needed where the folder has "
+                  "a camera.yaml or its name tells")
+      ->type_name("FILE");
+  AddOptionArguments(command, arguments.options);
+  command.add_option("--frames", arguments.frames, "Frames A up to, not including, B, from 0; either may be left out")
+      ->type_name("A:B");
+  command
+      .add_option("--segmenter", arguments.segmenter,
+                  "Who finds the people: openvino (a network), stored (the sequence's own masks), none; default " +
+                      default_segmenter)
+      ->type_name("NAME");
+  command
+      .add_option("--model", arguments.model,
+                  "Weights for openvino: a file, or fast or accurate for the published ones (see `rds fetch`)")
+      ->type_name("WEIGHTS");
+}
+
+PlaySetup PreparePlay(const PlayArguments& arguments, bool lockstep) {
+  Options options = ResolveOptions(arguments.options);
+  options.system.lockstep = options.system.lockstep || lockstep;
+  const double rate = arguments.rate.value_or(options.system.lockstep ? 0 : 1);
+  if (!(rate >= 0 && rate <= 1000)) {
+    throw InputError(fmt::format("--rate {}: expected 0 (as fast as it goes) to 1000 times as recorded", rate));
+  }
+  // Faster than recorded, mapping must be able to keep up.
+  options.system.wait_for_mapping = options.system.wait_for_mapping || rate == 0 || rate > 1;
+  if (!arguments.model.empty()) {
+    options.segmenter.model = arguments.model;
+  }
+  DatasetOptions dataset_options;
+  dataset_options.frames = ParseFrameRange(arguments.frames);
+  Dataset dataset = Dataset::Open(arguments.sequence, dataset_options);
+  const PinholeCamera camera = CameraOfSequence(dataset.folder(), arguments.camera);
+  return {std::move(dataset), camera, options, rate};
+}
+
+std::unique_ptr<Segmenter> OpenSegmenter(const PlayArguments& arguments, const PlaySetup& setup) {
+  std::vector<StoredMask> masks;
+  for (const DatasetFrame& frame : setup.dataset.frames()) {
+    if (!frame.mask_path.empty()) {
+      masks.push_back({frame.timestamp_s, frame.mask_path.string()});
+    }
+  }
+  SegmenterOptions options = setup.options.segmenter;
+  if (setup.options.system.lockstep) {
+    options.stored_delay_ms = 0;  // delays are counted in frames there
+  }
+  return MakeSegmenter(arguments.segmenter, options, std::move(masks));
+}
+
+RunDescription Describe(const PlaySetup& setup, const Segmenter* segmenter) {
+  RunDescription description;
+  description.sequence = setup.dataset.Name();
+  description.segmenter = segmenter == nullptr ? "none" : segmenter->Name();
+  description.rate = setup.rate;
+  description.lockstep = setup.options.system.lockstep;
+  description.started_after_s = SecondsSinceProcessStart();
+  return description;
+}
+
+void EndCommand(int exit_code) {
+  if (exit_code != 0) {
+    throw CLI::RuntimeError(exit_code);
+  }
+}
+
+}  // namespace rds

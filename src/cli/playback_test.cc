@@ -1,0 +1,152 @@
+#include "cli/playback.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <memory>
+
+#include "base/error.h"
+#include "cli/frame_source.h"
+#include "cli/interrupt.h"
+#include "testing/synthetic_sequence.h"
+#include "testing/temporary_folder.h"
+
+namespace rds {
+namespace {
+
+using ::testing::HasSubstr;
+namespace fs = std::filesystem;
+
+constexpr int kFrames = 20;
+
+// A short sequence without people, written once; a test that breaks it works on a copy.
+class PlaybackTest : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = std::make_unique<TemporaryFolder>();
+    sequence_ = folder_->path() / "sequence";
+    SyntheticOptions options;
+    options.camera = MakeSyntheticCamera(320, 240);
+    options.scenario = SyntheticScenario::kStatic;
+    options.frames = kFrames;
+    const SyntheticWorld world(options);
+    camera_ = world.camera();
+    WriteSyntheticSequence(world, sequence_);
+  }
+  static void TearDownTestSuite() { folder_.reset(); }
+
+  static fs::path CopyOfSequence() {
+    const fs::path copy = folder_->path() / "copy";
+    fs::copy(sequence_, copy, fs::copy_options::recursive);
+    return copy;
+  }
+
+  static PlaybackResult PlayAll(double rate, std::span<PlaybackObserver* const> observers = {}) {
+    Options options;
+    options.system.lockstep = true;
+    return Play(Dataset::Open(sequence_), camera_, options, nullptr, rate, observers);
+  }
+
+  inline static std::unique_ptr<TemporaryFolder> folder_;
+  inline static fs::path sequence_;
+  inline static PinholeCamera camera_;
+};
+
+// Stops the run by a signal after some frames.
+class Interrupter final : public PlaybackObserver {
+ public:
+  explicit Interrupter(int frames) : left_(frames) {}
+  void AfterFrame(const RgbdFrame& /*frame*/, const FrameResult& /*result*/, const Slam& /*slam*/) override {
+    if (--left_ == 0) {
+      raise(SIGINT);
+    }
+  }
+
+ private:
+  int left_;
+};
+
+TEST_F(PlaybackTest, SourceGivesAllFramesInOrder) {
+  const Dataset dataset = Dataset::Open(sequence_);
+  FrameSource source(dataset, camera_);
+  for (const DatasetFrame& expected : dataset.frames()) {
+    const std::optional<RgbdFrame> frame = source.Next();
+    ASSERT_TRUE(frame.has_value());
+    EXPECT_EQ(frame->timestamp_s, expected.timestamp_s);
+  }
+  EXPECT_FALSE(source.Next().has_value());
+  EXPECT_FALSE(source.Next().has_value());
+  EXPECT_GT(source.CpuSeconds(), 0);
+}
+
+TEST_F(PlaybackTest, SourceCanBeLeftEarly) {
+  const Dataset dataset = Dataset::Open(sequence_);
+  FrameSource source(dataset, camera_);
+  EXPECT_TRUE(source.Next().has_value());
+}
+
+TEST_F(PlaybackTest, BrokenImageIsAnErrorAfterTheFramesBeforeIt) {
+  const fs::path copy = CopyOfSequence();
+  const Dataset dataset = Dataset::Open(copy);
+  fs::resize_file(dataset.frames()[7].depth_path, 100);
+  FrameSource source(dataset, camera_);
+  int read = 0;
+  try {
+    while (source.Next()) {
+      ++read;
+    }
+    ADD_FAILURE() << "the end came without an error";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr(dataset.frames()[7].depth_path.filename().string()));
+  }
+  EXPECT_EQ(read, 7);
+  EXPECT_THROW((void)Play(dataset, camera_, {}, nullptr, 0, {}), InputError);
+}
+
+TEST_F(PlaybackTest, PlaysEveryFrame) {
+  const PlaybackResult result = PlayAll(0);
+  EXPECT_EQ(result.frames.size(), static_cast<std::size_t>(kFrames));
+  EXPECT_EQ(result.lateness_ms, std::vector<double>(kFrames, 0.0));
+  EXPECT_EQ(result.slam.processed_frames, kFrames);
+  EXPECT_EQ(result.slam.tracked_frames, kFrames);
+  EXPECT_EQ(result.slam.frames.size(), static_cast<std::size_t>(kFrames));
+  EXPECT_FALSE(result.interrupted);
+  ASSERT_TRUE(result.first_pose_after_s.has_value());
+  EXPECT_LT(*result.first_pose_after_s, result.wall_s);
+  EXPECT_GT(result.cpu_s, result.reading_cpu_s);
+  EXPECT_GT(result.reading_cpu_s, 0);
+}
+
+TEST_F(PlaybackTest, KeepsToTheRecordedTimes) {
+  // 19 intervals of 1/30 s, at twice the speed. Only the lower bound is certain on a busy machine.
+  EXPECT_GE(PlayAll(2).wall_s, 19 / 30.0 / 2);
+}
+
+TEST_F(PlaybackTest, CountsLateness) {
+  const PlaybackResult result = PlayAll(1000);
+  EXPECT_EQ(result.frames.size(), static_cast<std::size_t>(kFrames)) << "late frames are processed all the same";
+  EXPECT_GT(result.lateness_ms.back(), 0);
+}
+
+TEST_F(PlaybackTest, SignalStopsAndKeepsWhatWasTracked) {
+  const InterruptGuard guard;
+  Interrupter interrupter(8);
+  const std::vector<PlaybackObserver*> observers = {&interrupter};
+  const PlaybackResult result = PlayAll(0, observers);
+  EXPECT_TRUE(result.interrupted);
+  EXPECT_EQ(result.frames.size(), 8U);
+  EXPECT_EQ(result.slam.frames.size(), 8U);
+}
+
+TEST_F(PlaybackTest, SignalEndsALongWait) {
+  const InterruptGuard guard;
+  Interrupter interrupter(1);
+  const std::vector<PlaybackObserver*> observers = {&interrupter};
+  const PlaybackResult result = PlayAll(0.001, observers);  // the second frame would be due after half a minute
+  EXPECT_TRUE(result.interrupted);
+  EXPECT_LT(result.wall_s, 15);
+}
+
+}  // namespace
+}  // namespace rds

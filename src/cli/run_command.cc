@@ -1,0 +1,183 @@
+// rds run: a sequence in, trajectory, map figures and report out.
+#include <spdlog/fmt/fmt.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "base/log.h"
+#include "cli/accuracy.h"
+#include "cli/command.h"
+#include "cli/interrupt.h"
+#include "cli/observers.h"
+#include "cli/play_arguments.h"
+#include "cli/playback.h"
+#include "cli/progress.h"
+#include "cli/run_report.h"
+#include "eval/plot.h"
+#include "eval/statistics.h"
+#include "io/atomic_file.h"
+#include "io/options_yaml.h"
+#include "io/trajectory_io.h"
+#include "io/video.h"
+
+namespace rds {
+namespace {
+
+struct RunArguments {
+  PlayArguments play;
+  std::string out;
+  bool lockstep = false;
+  std::string video;  // "" = none
+  std::string still;  // "" = none
+  std::optional<std::uint32_t> still_frame;
+};
+
+VideoOptions VideoOf(const RunArguments& arguments, const PlaySetup& setup) {
+  VideoOptions options;
+  if (!arguments.video.empty()) {
+    options.video = arguments.video;
+  }
+  if (!arguments.still.empty()) {
+    options.still = arguments.still;
+  } else if (arguments.still_frame) {
+    throw InputError("--still-frame says which frame to save, but --still FILE.png is missing");
+  }
+  if (arguments.still_frame) {
+    options.still_frame = FrameId{*arguments.still_frame};
+    if (*arguments.still_frame >= setup.dataset.size()) {
+      throw InputError(fmt::format("--still-frame {}: the sequence has only {} frames", *arguments.still_frame,
+                                   setup.dataset.size()));
+    }
+  }
+  const std::vector<DatasetFrame>& frames = setup.dataset.frames();
+  if (frames.size() > 1) {
+    const double duration_s = frames.back().timestamp_s - frames.front().timestamp_s;
+    options.frames_per_s = std::clamp(static_cast<double>(frames.size() - 1) / duration_s, 1.0, 120.0);
+  }
+  options.wait = setup.rate == 0 || setup.options.system.lockstep;
+  return options;
+}
+
+// What was asked for and what came of it.
+struct Outcome {
+  RunDescription description;
+  PlaybackResult playback;
+  std::optional<Evaluation> accuracy;
+};
+
+void WriteOutputs(const std::filesystem::path& folder, const PlaySetup& setup, const Outcome& outcome) {
+  nlohmann::ordered_json report = RunReport(outcome.description, outcome.playback);
+  report.update(AccuracyJson(outcome.accuracy));
+  std::vector<OutputFile> files = {
+      {folder / "trajectory.txt", FormatTrajectory(outcome.playback.slam.frames)},
+      {folder / "keyframes.txt", FormatTrajectory(outcome.playback.slam.keyframes)},
+      {folder / "options.yaml", OptionsYaml(setup.options)},
+      {folder / "report.json", report.dump(2) + "\n"},
+      {folder / "frames.csv", FramesCsv(outcome.playback)},
+      {folder / "semantics.csv", SemanticsCsv(outcome.playback.slam.labels)},
+  };
+  if (outcome.accuracy) {
+    files.push_back({folder / "trajectory.svg", PlotTrajectories(*outcome.accuracy, outcome.description.sequence)});
+  }
+  WriteFilesAtomically(files);
+}
+
+void PrintSummary(const RunArguments& arguments, const PlaySetup& setup, const Outcome& outcome) {
+  const PlaybackResult& playback = outcome.playback;
+  const SlamResult& slam = playback.slam;
+  std::string text = fmt::format("{}: {} of {} frames tracked, {} lost; {} keyframes, {} points\n",
+                                 outcome.description.sequence, slam.tracked_frames, playback.frames.size(),
+                                 slam.lost_frames, slam.keyframes.size(), slam.map.points.size());
+  text += AccuracyText(outcome.accuracy, setup.dataset.ground_truth().has_value());
+  const std::vector<double> tracking_ms = TimingSeries(playback.frames, &FrameTiming::total_ms);
+  if (!tracking_ms.empty()) {
+    text += fmt::format("tracking: {:.1f} ms a frame (median; 95 % below {:.1f} ms)\n", Summarise(tracking_ms).median,
+                        Percentile(tracking_ms, 95));
+  }
+  if (outcome.description.segmenter != "none") {
+    text += fmt::format("semantics: {}; {} keyframes labelled, {} left, {} failures\n", outcome.description.segmenter,
+                        slam.labels.size(), slam.keyframes_left_unlabelled, slam.segmentation_failures);
+  }
+  text += fmt::format(
+      "written to {}: trajectory.txt, keyframes.txt, report.json, frames.csv, semantics.csv, "
+      "options.yaml{}\n",
+      arguments.out, outcome.accuracy ? ", trajectory.svg" : "");
+  std::cout << text << std::flush;
+}
+
+// Plays the sequence and writes the output folder. Returns the program's exit code: 0, or 128 + signal if interrupted
+// (what was tracked until then is written). After an InputError nothing is written.
+int Run(const RunArguments& arguments) {
+  const InterruptGuard interrupt_guard;
+  PlaySetup setup = PreparePlay(arguments.play, arguments.lockstep);
+  PrepareOutputFolder(arguments.out);
+  const VideoOptions video_options = VideoOf(arguments, setup);
+  std::unique_ptr<VideoRecorder> recorder;
+  if (video_options.Wanted()) {
+    setup.options.system.keep_features = true;
+    recorder = std::make_unique<VideoRecorder>(video_options, setup.camera.width, setup.camera.height);
+  }
+  std::unique_ptr<Segmenter> segmenter = OpenSegmenter(arguments.play, setup);
+  log::info("{}", setup.dataset.Summary());
+
+  Progress progress(std::cerr, isatty(STDERR_FILENO) == 1, setup.dataset.size());
+  ProgressObserver progress_observer(progress);
+  std::vector<PlaybackObserver*> observers = {&progress_observer};
+  std::unique_ptr<VideoObserver> video_observer;
+  if (recorder != nullptr) {
+    video_observer = std::make_unique<VideoObserver>(*recorder);
+    observers.push_back(video_observer.get());
+  }
+  Outcome outcome;
+  outcome.description = Describe(setup, segmenter.get());
+  outcome.playback = Play(setup.dataset, setup.camera, setup.options, std::move(segmenter), setup.rate, observers);
+  progress.Finish();
+  outcome.accuracy = Accuracy(outcome.playback.slam.frames, setup.dataset.ground_truth());
+  WriteOutputs(arguments.out, setup, outcome);
+  PrintSummary(arguments, setup, outcome);
+  if (recorder != nullptr) {
+    recorder->Finish();
+    if (recorder->left_out() > 0) {
+      log::info("the video repeats pictures for {} frames that could not be drawn in time", recorder->left_out());
+    }
+  }
+  if (outcome.playback.interrupted) {
+    log::warn("stopped by a signal after {} of {} frames", outcome.playback.frames.size(), setup.dataset.size());
+    return 128 + InterruptSignal();
+  }
+  return 0;
+}
+
+}  // namespace
+
+void AddRunCommand(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("run", "Track a recorded RGB-D sequence and write trajectory and report");
+  auto arguments = std::make_shared<RunArguments>();
+  AddPlayArguments(*command, arguments->play, "openvino");
+  command->add_option("--out", arguments->out, "Folder for the results; made if it is not there")
+      ->type_name("DIR")
+      ->required();
+  command
+      ->add_option("--rate", arguments->play.rate,
+                   "Play so many times as fast as recorded; 0 = as fast as it goes; default 1, in lockstep 0")
+      ->type_name("R");
+  command->add_flag("--lockstep", arguments->lockstep,
+                    "Everything on one thread in a fixed order: the same bytes every time");
+  command
+      ->add_option("--video", arguments->video,
+                   "Video of frames with features (blue static, green unknown, red rejected), mask and map")
+      ->type_name("FILE.mp4");
+  command->add_option("--still", arguments->still, "One picture of that video: the last, or --still-frame")
+      ->type_name("FILE.png");
+  command->add_option("--still-frame", arguments->still_frame, "Which frame --still shows, from 0")->type_name("N");
+  command->callback([arguments] { EndCommand(Run(*arguments)); });
+}
+
+}  // namespace rds
