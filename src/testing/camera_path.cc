@@ -40,27 +40,27 @@ Gaze Loop(double t) {
 }
 
 Gaze Xyz(double t) {
-  return {{-1.72 + 0.28 * Wave(t, 8.5), 0.42 * Wave(t, 11), 1.36 + 0.2 * Wave(t, 6.5)},
+  return {{-1.98 + 0.28 * Wave(t, 8.5), 0.42 * Wave(t, 11), 1.36 + 0.2 * Wave(t, 6.5)},
           Direction(0.06 * Wave(t, 9), -0.2 + 0.04 * Wave(t, 7)),
           0.02 * Wave(t, 5)};
 }
 
 Gaze Rpy(double t) {
-  return {{-1.75 + 0.05 * Wave(t, 9), 0.06 * Wave(t, 11), 1.4 + 0.04 * Wave(t, 8)},
+  return {{-1.95 + 0.05 * Wave(t, 9), 0.06 * Wave(t, 11), 1.4 + 0.04 * Wave(t, 8)},
           Direction(0.42 * Wave(t, 8), -0.17 + 0.2 * Wave(t, 6.2)),
           0.24 * Wave(t, 9.5)};
 }
 
 Gaze Halfsphere(double t) {
-  const double azimuth = std::numbers::pi + 0.75 * Wave(t, 19);
-  const double elevation = 0.5 + 0.3 * Wave(t, 8.5);
+  const double azimuth = std::numbers::pi + 0.65 * Wave(t, 20);
+  const double elevation = 0.46 + 0.25 * Wave(t, 8.5);
   const Eigen::Vector3d focus(0, 0, 0.82);
   const Eigen::Vector3d outward = Direction(azimuth, elevation);
-  return {focus + 1.7 * outward, -outward + Eigen::Vector3d(0, 0.05 * Wave(t, 6), 0.05 * Wave(t, 7)),
+  return {focus + 2.1 * outward, -outward + Eigen::Vector3d(0, 0.05 * Wave(t, 6), 0.05 * Wave(t, 7)),
           0.05 * Wave(t, 6)};
 }
 
-Gaze Still(double) { return {{-1.75, 0.1, 1.38}, Direction(-0.03, -0.2), 0}; }
+Gaze Still(double) { return {{-1.95, 0.1, 1.38}, Direction(-0.03, -0.2), 0}; }
 
 Gaze GazeAt(SyntheticPath path, double t) {
   switch (path) {

@@ -59,13 +59,14 @@ void Canvas::Gradient(const Colour& top, const Colour& bottom) {
 // Mixes in `colour` where coverage(dx, dy), given metres from (x, y), says so: a signed distance in texels, negative
 // inside.
 template <typename Coverage>
-void Canvas::Paint(double x, double y, double reach_m, const Colour& colour, float alpha, const Coverage& coverage) {
+void Canvas::Paint(double x, double y, double reach_x, double reach_y, const Colour& colour, float alpha,
+                   const Coverage& coverage) {
   const double per_x = texels_per_m_x();
   const double per_y = texels_per_m_y();
-  const int x0 = std::max(0, static_cast<int>(std::floor((x - reach_m) * per_x)) - 1);
-  const int x1 = std::min(width_ - 1, static_cast<int>(std::ceil((x + reach_m) * per_x)) + 1);
-  const int y0 = std::max(0, static_cast<int>(std::floor((y - reach_m) * per_y)) - 1);
-  const int y1 = std::min(height_ - 1, static_cast<int>(std::ceil((y + reach_m) * per_y)) + 1);
+  const int x0 = std::max(0, static_cast<int>(std::floor((x - reach_x) * per_x)) - 1);
+  const int x1 = std::min(width_ - 1, static_cast<int>(std::ceil((x + reach_x) * per_x)) + 1);
+  const int y0 = std::max(0, static_cast<int>(std::floor((y - reach_y) * per_y)) - 1);
+  const int y1 = std::min(height_ - 1, static_cast<int>(std::ceil((y + reach_y) * per_y)) + 1);
   for (int row = y0; row <= y1; ++row) {
     const double dy = (row + 0.5) / per_y - y;
     for (int column = x0; column <= x1; ++column) {
@@ -81,13 +82,16 @@ void Canvas::Paint(double x, double y, double reach_m, const Colour& colour, flo
 void Canvas::Rect(double x, double y, double width, double height, const Colour& colour, double angle, float alpha) {
   const double cosine = std::cos(angle);
   const double sine = std::sin(angle);
-  Paint(x, y, 0.5 * std::hypot(width, height), colour, alpha, [&](double dx, double dy) {
+  const double reach_x = 0.5 * (std::abs(cosine) * width + std::abs(sine) * height);
+  const double reach_y = 0.5 * (std::abs(sine) * width + std::abs(cosine) * height);
+  Paint(x, y, reach_x, reach_y, colour, alpha, [&](double dx, double dy) {
     return std::max(std::abs(cosine * dx + sine * dy) - 0.5 * width, std::abs(cosine * dy - sine * dx) - 0.5 * height);
   });
 }
 
 void Canvas::Disc(double x, double y, double radius, const Colour& colour, float alpha) {
-  Paint(x, y, radius, colour, alpha, [&](double dx, double dy) { return std::sqrt(dx * dx + dy * dy) - radius; });
+  Paint(x, y, radius, radius, colour, alpha,
+        [&](double dx, double dy) { return std::sqrt(dx * dx + dy * dy) - radius; });
 }
 
 void Canvas::Line(double x0, double y0, double x1, double y1, double thickness, const Colour& colour) {

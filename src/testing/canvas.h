@@ -50,7 +50,8 @@ class Canvas {
 
  private:
   template <typename Coverage>
-  void Paint(double x, double y, double reach_m, const Colour& colour, float alpha, const Coverage& coverage);
+  void Paint(double x, double y, double reach_x, double reach_y, const Colour& colour, float alpha,
+             const Coverage& coverage);
 
   double width_m_;
   double height_m_;

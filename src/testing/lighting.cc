@@ -7,7 +7,7 @@
 namespace rds::synthetic {
 namespace {
 
-constexpr double kGrid_m = 0.09;         // spacing of the points where light is computed
+constexpr double kGrid_m = 0.12;         // spacing of the points where light is computed
 constexpr double kAmbientReach_m = 0.7;  // things farther away do not dim ambient light
 constexpr int kAmbientRays = 14;
 constexpr int kLightSamples = 3;  // along each side of a light

@@ -16,6 +16,7 @@ struct Leg {
   Eigen::Vector2d from = Eigen::Vector2d::Zero();
   Eigen::Vector2d to = Eigen::Vector2d::Zero();
   double walked_before_m = 0;
+  double heading = 0;  // radians from x to y
 };
 
 // Where a walker is at a time; before the first leg at its start, after the last at its end.

@@ -40,8 +40,8 @@ Person::Person(std::uint64_t seed) {
   }
   const float tan = static_cast<float>(random.Uniform(0.55, 1.0));
   const Colour skin = tan * Colour{165, 190, 232};
-  const Colour hair =
-      random.Uniform(0.1, 0.9) * random.Uniform(0.2, 1.0) > 0.3 ? Colour{60, 100, 140} : Colour{34, 38, 46};
+  constexpr std::array<Colour, 4> kHair{{{60, 100, 140}, {34, 38, 46}, {40, 58, 86}, {110, 150, 176}}};
+  const Colour hair = kHair[random.Index(kHair.size())];
   // Shirt and sleeves are cut from the same cloth: same seed, other size.
   const std::uint64_t cloth = random.Bits();
   const auto with_cloth = [&](Canvas& canvas) {

@@ -10,7 +10,7 @@ namespace rds::synthetic {
 namespace {
 
 constexpr int kSamples = 2;  // a side of a pixel
-constexpr int kRun = 8;      // samples that share a filter
+constexpr int kRun = 8;      // neighbouring samples that share a filter
 constexpr int kMaxTaps = 4;  // of an oblique filter
 
 struct View {
@@ -40,49 +40,65 @@ struct View {
   }
 };
 
-// Colours of `count` neighbouring samples of a rectangle. The filter is an ellipse made of up to kMaxTaps round ones.
-void ShadeQuad(const Quad& quad, const ProjectedQuad& projected, int column, int row, int count, Float4* out) {
-  const Texture& texture = *quad.texture;
-  const double per_s = texture.width() / quad.width;  // texels in a metre
-  const double per_t = texture.height() / quad.height;
-  const double middle = column + 0.5 * (count - 1);
-  const double inverse = 1.0 / projected.w.At(middle, row);
-  const double s = projected.s.At(middle, row) * inverse;
-  const double t = projected.t.At(middle, row) * inverse;
+// How a texture is read about a sample: an elliptic filter made of up to kMaxTaps round ones in a row.
+struct Filter {
+  int taps = 1;
+  float lod = 0;     // of each round filter
+  float step_x = 0;  // texels from one to the next
+  float step_y = 0;
+};
+
+// The footprint of a sample on a rectangle's texture, by its derivatives at (column, row).
+Filter FilterAt(const ProjectedQuad& projected, double column, double row, double per_s, double per_t) {
+  const double inverse = 1.0 / std::max(projected.w.At(column, row), 1e-3);
+  const double s = projected.s.At(column, row) * inverse;
+  const double t = projected.t.At(column, row) * inverse;
   const double s_x = (projected.s.a - s * projected.w.a) * inverse * per_s;
   const double t_x = (projected.t.a - t * projected.w.a) * inverse * per_t;
   const double s_y = (projected.s.b - s * projected.w.b) * inverse * per_s;
   const double t_y = (projected.t.b - t * projected.w.b) * inverse * per_t;
-  const double length_x = std::hypot(s_x, t_x);
-  const double length_y = std::hypot(s_y, t_y);
-  const bool along_x = length_x > length_y;
-  const double major = std::max(length_x, length_y);
+  const double square_x = s_x * s_x + t_x * t_x;
+  const double square_y = s_y * s_y + t_y * t_y;
+  const bool along_x = square_x > square_y;
+  const double major = std::sqrt(std::max({square_x, square_y, 1e-18}));
   // Width across the major axis: area of the sample's footprint over its length.
-  const double minor = std::max(std::abs(s_x * t_y - s_y * t_x) / std::max(major, 1e-9), 1e-9);
-  const int taps = std::clamp(static_cast<int>(std::ceil(major / std::max(minor, 1.0) - 0.25)), 1, kMaxTaps);
-  const auto lod = static_cast<float>(std::log2(std::max(major / taps, minor)));
-  const auto step_s = static_cast<float>((along_x ? s_x : s_y) / taps);
-  const auto step_t = static_cast<float>((along_x ? t_x : t_y) / taps);
-  const auto first = -0.5F * static_cast<float>(taps - 1);
-  const auto w0 = static_cast<float>(projected.w.At(column, row));
-  const auto s0 = static_cast<float>(projected.s.At(column, row) * per_s);
-  const auto t0 = static_cast<float>(projected.t.At(column, row) * per_t);
+  const double minor = std::max(std::abs(s_x * t_y - s_y * t_x) / major, 1e-9);
+  Filter filter;
+  filter.taps = std::clamp(static_cast<int>(std::ceil(major / std::max(minor, 1.0) - 0.25)), 1, kMaxTaps);
+  filter.lod = static_cast<float>(std::log2(std::max(major / filter.taps, minor)));
+  filter.step_x = static_cast<float>((along_x ? s_x : s_y) / filter.taps);
+  filter.step_y = static_cast<float>((along_x ? t_x : t_y) / filter.taps);
+  return filter;
+}
+
+// Colours of `count` neighbouring samples of a rectangle, all within one block of kRun columns. The filter is that of
+// the block's middle, whatever part of the block the rectangle covers: what stands before it must not change its
+// colours.
+void ShadeQuad(const Quad& quad, const ProjectedQuad& projected, int column, int row, int count, Float4* out) {
+  const Texture& texture = *quad.texture;
+  const double per_s = texture.width() / quad.width;  // texels in a metre
+  const double per_t = texture.height() / quad.height;
+  const int block = column / kRun * kRun;
+  const Filter filter = FilterAt(projected, block + 0.5 * (kRun - 1), row, per_s, per_t);
+  const float first = -0.5F * static_cast<float>(filter.taps - 1);
+  const auto w_0 = static_cast<float>(projected.w.At(block, row));
+  const auto s_0 = static_cast<float>(projected.s.At(block, row) * per_s);
+  const auto t_0 = static_cast<float>(projected.t.At(block, row) * per_t);
   const auto w_a = static_cast<float>(projected.w.a);
   const auto s_a = static_cast<float>(projected.s.a * per_s);
   const auto t_a = static_cast<float>(projected.t.a * per_t);
-  const float x_max = texture.width();
-  const float y_max = texture.height();
   for (int i = 0; i < count; ++i) {
-    const auto step = static_cast<float>(i);
-    const float depth = 1.0F / (w0 + step * w_a);
-    const float x = (s0 + step * s_a) * depth + first * step_s;
-    const float y = (t0 + step * t_a) * depth + first * step_t;
+    const auto step = static_cast<float>(column - block + i);
+    const float depth = 1.0F / (w_0 + step * w_a);
+    const float x = (s_0 + step * s_a) * depth + first * filter.step_x;
+    const float y = (t_0 + step * t_a) * depth + first * filter.step_y;
     Float4 sum{};
-    for (int tap = 0; tap < taps; ++tap) {
+    for (int tap = 0; tap < filter.taps; ++tap) {
       const auto k = static_cast<float>(tap);
-      sum += texture.Sample(std::clamp(x + k * step_s, 0.0F, x_max), std::clamp(y + k * step_t, 0.0F, y_max), lod);
+      sum += texture.Sample(std::clamp(x + k * filter.step_x, 0.0F, texture.width()),
+                            std::clamp(y + k * filter.step_y, 0.0F, texture.height()), filter.lod);
     }
-    out[i] = sum / static_cast<float>(taps);
+    out[i] = sum / static_cast<float>(filter.taps);
   }
 }
 
@@ -93,11 +109,12 @@ void ShadeCapsule(const View& view, std::size_t index, int column, int row, int 
   const Texture& texture = *capsule.texture;
   const double radius = 0.5 * (capsule.axes.col(0).norm() + capsule.axes.col(1).norm());
   const double texel_m = 2.0 * std::numbers::pi * radius / texture.width();
-  const auto lod = static_cast<float>(std::log2(view.grid.step_x / (static_cast<double>(*inverse_depth) * texel_m)));
+  const auto lod_at_1m = static_cast<float>(std::log2(view.grid.step_x / texel_m));
   const double turns = 0.5 / std::numbers::pi;
   const double ray_y = view.grid.y0 + view.grid.step_y * row;
   for (int i = 0; i < count; ++i) {
     const double depth = 1.0 / static_cast<double>(inverse_depth[i]);
+    const float lod = lod_at_1m - std::log2(inverse_depth[i]);
     const Eigen::Vector3d ray(view.grid.x0 + view.grid.step_x * (column + i), ray_y, 1.0);
     Eigen::Vector3d local = projected.local_from_camera * ray * depth - projected.center;
     const double around = turns * std::atan2(local.y(), local.x()) + 0.5;
@@ -118,7 +135,7 @@ void ShadeRow(const View& view, const VisibilityBuffer& visible, int row, Float4
   int end = 0;
   for (int begin = 0; begin < view.grid.width; begin = end) {
     const std::uint16_t id = surface[begin];
-    for (end = begin + 1; end < view.grid.width && end - begin < kRun && surface[end] == id;) {
+    for (end = begin + 1; end < view.grid.width && end % kRun != 0 && surface[end] == id;) {
       ++end;
     }
     if (id == VisibilityBuffer::kNothing) {

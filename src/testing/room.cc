@@ -35,10 +35,10 @@ struct Wall {
   [[nodiscard]] double Yaw() const { return std::atan2(normal.y(), normal.x()); }
 };
 
-const Wall kEast{{-1, 0, 0}};   // x = +3.2
-const Wall kWest{{1, 0, 0}};    // x = -3.2
-const Wall kNorth{{0, -1, 0}};  // y = +3.2
-const Wall kSouth{{0, 1, 0}};   // y = -3.2
+const Wall kEast{{-1, 0, 0}};   // x = +3.0
+const Wall kWest{{1, 0, 0}};    // x = -3.0
+const Wall kNorth{{0, -1, 0}};  // y = +3.0
+const Wall kSouth{{0, 1, 0}};   // y = -3.0
 
 // A box that stands against a wall: `right` and `bottom` of its lower middle.
 Box Against(const Wall& wall, double right, double bottom, double width, double depth, double height) {
@@ -207,11 +207,11 @@ void BuildMiddle(RoomBuilder& builder) {
                  {[](Canvas& canvas, Random& random) { PaintCabinet(canvas, random, kBirch, 1, 3); },
                   Coloured(PaintWood, kBirch),
                   {}});
-  BuildMonitor(builder, {0.12, 0.42, 0.745}, kPi + 0.25);
-  BuildMonitor(builder, {0.1, -0.3, 0.745}, kPi - 0.2);
-  BuildClutter(builder, {-0.27, -0.72, 0.745}, {0.16, 0.16}, 2, 0.25);
-  BuildClutter(builder, {-0.2, 0.02, 0.745}, {0.2, 0.14}, 2, 0.12);
-  BuildClutter(builder, {0.3, 0.05, 0.745}, {0.14, 0.7}, 5, 0.25);
+  BuildMonitor(builder, {0.14, 0.02, 0.745}, kPi + 0.1);
+  BuildClutter(builder, {-0.22, -0.55, 0.745}, {0.2, 0.3}, 3, 0.22);
+  BuildClutter(builder, {-0.25, 0.4, 0.745}, {0.16, 0.18}, 2, 0.15);
+  BuildClutter(builder, {0.25, 0.6, 0.745}, {0.18, 0.27}, 3, 0.16);
+  BuildClutter(builder, {0.22, -0.6, 0.745}, {0.2, 0.27}, 3, 0.16);
   builder.AddBall({-0.25, 0.75, 0.745 + 0.11}, 0.11, Plain(PaintPoster));
   BuildChair(builder, {0.82, 0.48}, kPi + 0.1);
   BuildChair(builder, {0.85, -0.45}, kPi - 0.15);
@@ -264,30 +264,31 @@ void BuildNorth(RoomBuilder& builder) {
   Hanger hanger(builder, kNorth);
   hanger.Hang(0.3, 1.6, 1.9, 1.25, Plain(PaintWindow), true);
   BuildCabinet(builder, kNorth, 0.3, 0, {0.35, 2.0, 0.75}, kGrey, 4, 1);
+  BuildMonitor(builder, kNorth.At(-0.1, 0.75, 0.2), kNorth.Yaw());
   BuildShelf(builder, kNorth, -2.1, 1.1, 2.0, kOak);
-  BuildCabinet(builder, kNorth, 2.2, 0, {0.5, 1.0, 1.9}, kWalnut, 2, 2);
+  BuildCabinet(builder, kNorth, 2.12, 0, {0.5, 1.0, 1.9}, kWalnut, 2, 2);
   hanger.Reserve(-2.1, 1.0, 1.1, 2.0);
-  hanger.Reserve(2.2, 0.95, 1.0, 1.9);
+  hanger.Reserve(2.12, 0.95, 1.0, 1.9);
   hanger.Reserve(0.3, 0.4, 2.0, 0.8);
   hanger.HangPosters(60);
 }
 
 void BuildWest(RoomBuilder& builder) {
   Hanger hanger(builder, kWest);
-  BuildTable(builder, {-2.83, 1.2}, {0.34, 0.8}, kBirch);
-  BuildMonitor(builder, {-3.0, 1.3, 0.745}, -0.1);
-  BuildClutter(builder, {-2.9, 0.65, 0.745}, {0.2, 0.2}, 2, 0.25);
-  BuildClutter(builder, {-2.9, 1.8, 0.745}, {0.2, 0.15}, 2, 0.25);
+  BuildTable(builder, {-2.63, 1.2}, {0.34, 0.8}, kBirch);
+  BuildMonitor(builder, {-2.8, 1.3, 0.745}, -0.1);
+  BuildClutter(builder, {-2.7, 0.65, 0.745}, {0.2, 0.2}, 2, 0.25);
+  BuildClutter(builder, {-2.7, 1.8, 0.745}, {0.2, 0.15}, 2, 0.25);
   const Colour cloth{96, 84, 146};
   const BoxStyle sofa{Coloured(PaintFabric, cloth), Coloured(PaintFabric, cloth), {}};
-  builder.AddBox(Against(kWest, -1.2, 0, 1.7, 0.85, 0.42), sofa);
-  builder.AddBox(Against(kWest, -1.2, 0.42, 1.7, 0.22, 0.42), sofa);
-  builder.AddSeat({{-2.68, -0.8}, 0.0});
-  builder.AddSeat({{-2.68, -1.6}, 0.0});
-  BuildShelf(builder, kWest, -2.62, 0.95, 1.5, kWalnut);
-  hanger.Reserve(-1.2, 0.4, 1.7, 0.9);
+  builder.AddBox(Against(kWest, -1.15, 0, 1.6, 0.85, 0.42), sofa);
+  builder.AddBox(Against(kWest, -1.15, 0.42, 1.6, 0.22, 0.42), sofa);
+  builder.AddSeat({{-2.48, -0.75}, 0.0});
+  builder.AddSeat({{-2.48, -1.5}, 0.0});
+  BuildShelf(builder, kWest, -2.5, 0.95, 1.5, kWalnut);
+  hanger.Reserve(-1.15, 0.4, 1.6, 0.9);
   hanger.Reserve(1.2, 0.6, 1.6, 1.2);
-  hanger.Reserve(-2.62, 0.75, 0.95, 1.9);
+  hanger.Reserve(-2.5, 0.75, 0.95, 1.9);
   hanger.HangPosters(70);
 }
 
@@ -298,15 +299,15 @@ void BuildSouth(RoomBuilder& builder) {
   hanger.Hang(-0.5, 1.2, 2.2, 0.6, [](Canvas& canvas, Random& random) {
     PaintTiles(canvas, random, {206, 214, 216}, 0.1);
   });
-  BuildCabinet(builder, kSouth, 2.42, 0, {0.5, 0.8, 2.0}, kGrey, 1, 3);
+  BuildCabinet(builder, kSouth, 2.1, 0, {0.5, 0.8, 2.0}, kGrey, 1, 3);
   const auto door = [](Canvas& canvas, Random& random) { PaintCabinet(canvas, random, {206, 224, 232}, 1, 2); };
-  hanger.Hang(1.5, 1.0, 0.9, 2.0, door);
-  hanger.Reserve(2.42, 1.0, 0.9, 2.0);
+  hanger.Hang(1.15, 1.0, 0.9, 2.0, door);
+  hanger.Reserve(2.1, 1.0, 0.9, 2.0);
   hanger.Reserve(-0.5, 0.45, 2.2, 0.9);
   hanger.Reserve(-0.5, 1.9, 2.2, 0.75);
   hanger.HangPosters(60);
   for (int i = 0; i < 3; ++i) {  // cartons in the corner, piled up
-    builder.AddBox({kSouth.At(-2.55 + 0.05 * i, 0.17 + 0.34 * i, 0.42), {0.24 - 0.02 * i, 0.28, 0.17}, 0.15 * i + 1.4},
+    builder.AddBox({kSouth.At(-2.2 + 0.05 * i, 0.17 + 0.34 * i, 0.42), {0.24 - 0.02 * i, 0.28, 0.17}, 0.15 * i + 1.4},
                    {Plain(PaintCarton), Plain(PaintCarton), {}});
   }
 }
@@ -322,9 +323,9 @@ Room BuildRoom(std::uint64_t seed, double texel_scale) {
   BuildWest(builder);
   BuildSouth(builder);
   return builder.Finish({
-      {{-1.5, 0, Room::kHeight - 0.03}, {0.17, 0, 0}, {0, 0.65, 0}, 2.4},
-      {{1.5, 0, Room::kHeight - 0.03}, {0.17, 0, 0}, {0, 0.65, 0}, 2.4},
-      {kNorth.At(0.3, 1.6, 0.05), {0.9, 0, 0}, {0, 0, 0.55}, 1.3},
+      {{-1.5, 0, Room::kHeight - 0.03}, {0.17, 0, 0}, {0, 0.65, 0}, 3.0},
+      {{1.5, 0, Room::kHeight - 0.03}, {0.17, 0, 0}, {0, 0.65, 0}, 3.0},
+      {kNorth.At(0.3, 1.6, 0.05), {0.9, 0, 0}, {0, 0, 0.55}, 1.6},
   });
 }
 

@@ -16,7 +16,7 @@ struct Seat {
 
 // World frame: z up, origin on the floor in the middle of the room, metres.
 struct Room {
-  static constexpr double kHalfSize = 3.2;  // in x and in y
+  static constexpr double kHalfSize = 3.0;  // in x and in y
   static constexpr double kHeight = 2.6;
 
   Scene scene;             // lit

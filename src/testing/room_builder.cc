@@ -24,7 +24,7 @@ void RoomBuilder::AddPanel(const Eigen::Vector3d& center, const Eigen::Vector3d&
 }
 
 void RoomBuilder::AddBox(const Box& box, const BoxStyle& style, double texel_m) {
-  const Eigen::Vector3d x(std::cos(box.yaw), std::sin(box.yaw), 0);
+  const Eigen::Vector3d& x = box.x_axis;
   const Eigen::Vector3d y(-x.y(), x.x(), 0);
   const Eigen::Vector3d z = Eigen::Vector3d::UnitZ();
   const Eigen::Vector3d& h = box.half_size;

@@ -5,43 +5,44 @@
 #include <limits>
 
 namespace rds::synthetic {
-namespace {
+Box::Box(const Eigen::Vector3d& center_, const Eigen::Vector3d& half_size_, double yaw)
+    : center(center_), half_size(half_size_), x_axis(std::cos(yaw), std::sin(yaw), 0) {}
 
-Eigen::Vector3d IntoBox(const Box& box, const Eigen::Vector3d& vector) {
-  const double cosine = std::cos(box.yaw);
-  const double sine = std::sin(box.yaw);
-  return {cosine * vector.x() + sine * vector.y(), cosine * vector.y() - sine * vector.x(), vector.z()};
+Eigen::Vector3d Box::IntoBox(const Eigen::Vector3d& vector) const {
+  return {x_axis.x() * vector.x() + x_axis.y() * vector.y(), x_axis.x() * vector.y() - x_axis.y() * vector.x(),
+          vector.z()};
 }
 
-}  // namespace
-
 double Box::Distance(const Eigen::Vector3d& point) const {
-  const Eigen::Vector3d local = IntoBox(*this, point - center);
+  const Eigen::Vector3d local = IntoBox(point - center);
   return (local.cwiseAbs() - half_size).cwiseMax(0.0).norm();
 }
 
 bool Box::Meets(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double minimum, double maximum) const {
-  const Eigen::Vector3d from = IntoBox(*this, origin - center);
-  const Eigen::Vector3d along = IntoBox(*this, direction);
-  for (int axis = 0; axis < 3; ++axis) {
+  const Eigen::Vector3d from = IntoBox(origin - center);
+  const Eigen::Vector3d along = IntoBox(direction);
+  for (const int axis : {2, 0, 1}) {
     const double inverse = 1.0 / (std::abs(along[axis]) < 1e-12 ? 1e-12 : along[axis]);
     const double a = (-half_size[axis] - from[axis]) * inverse;
     const double b = (half_size[axis] - from[axis]) * inverse;
     minimum = std::max(minimum, std::min(a, b));
     maximum = std::min(maximum, std::max(a, b));
+    if (minimum >= maximum) {
+      return false;
+    }
   }
-  return minimum < maximum;
+  return true;
 }
 
 double Distance(const Capsule& capsule, const Eigen::Vector3d& point) {
   const Eigen::Vector3d lengths = capsule.axes.colwise().norm().transpose();
   const Eigen::Vector3d offset = point - capsule.center;
-  Eigen::Vector3d local;
-  for (int axis = 0; axis < 3; ++axis) {
-    local[axis] = capsule.axes.col(axis).dot(offset) / (lengths[axis] * lengths[axis]);
-  }
+  const Eigen::Vector3d along = capsule.axes.transpose() * offset;  // times the axes' lengths
+  const Eigen::Vector3d half = lengths + Eigen::Vector3d(0, 0, capsule.half_length * lengths.z());
+  const double from_box = (along.cwiseQuotient(lengths).cwiseAbs() - half).cwiseMax(0.0).norm();
+  Eigen::Vector3d local = along.cwiseQuotient(lengths.cwiseAbs2());
   local.z() -= std::clamp(local.z(), -capsule.half_length, capsule.half_length);
-  return std::max(0.0, (local.norm() - 1.0) * lengths.minCoeff());
+  return std::max(from_box, (local.norm() - 1.0) * lengths.minCoeff());
 }
 
 Capsule MakeLimb(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& side, double radius_side,

@@ -34,20 +34,26 @@ struct Capsule {
   bool is_mover = false;
 };
 
-// An upright box turned by yaw about z: the solid parts of room and furniture.
+// An upright box turned by `yaw` about z: the solid parts of room and furniture.
 struct Box {
-  Eigen::Vector3d center;
-  Eigen::Vector3d half_size;
-  double yaw = 0;
+  Box(const Eigen::Vector3d& center, const Eigen::Vector3d& half_size, double yaw);
 
   // Distance of a point from the box, 0 inside.
   [[nodiscard]] double Distance(const Eigen::Vector3d& point) const;
   // Whether the ray from `origin` along `direction` meets the box at a parameter in (minimum, maximum).
   [[nodiscard]] bool Meets(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double minimum,
                            double maximum) const;
+
+  Eigen::Vector3d center;
+  Eigen::Vector3d half_size;
+  Eigen::Vector3d x_axis;  // in the world
+
+ private:
+  [[nodiscard]] Eigen::Vector3d IntoBox(const Eigen::Vector3d& vector) const;
 };
 
-// Distance of a point from a capsule, 0 inside; exact for round ones, otherwise a lower bound.
+// Distance of a point from a capsule, 0 inside; exact for round ones, otherwise a lower bound (that of its box at
+// least).
 double Distance(const Capsule& capsule, const Eigen::Vector3d& point);
 
 // A capsule along the segment from `a` to `b` with rounded ends about these points; `radius_side` is the half width

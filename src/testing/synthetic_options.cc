@@ -86,6 +86,8 @@ int ResolveMovers(const SyntheticOptions& options) {
       return 0;
     case SyntheticScenario::kCrowd:
       return 6;
+    case SyntheticScenario::kSitting:
+      return 3;
     default:
       return 2;
   }
