@@ -66,18 +66,19 @@ std::shared_ptr<const LocalMap> BuildLocalMap(const Map& map, KeyframeId centre,
   std::ranges::sort(ids);
   const auto rest = std::ranges::unique(ids);
   ids.erase(rest.begin(), rest.end());
-  for (const PointId id : ids) {
-    AppendPoint(map.At(id), local.get());
-  }
   const std::size_t enough_sightings = map.keyframes().size() <= 2 ? 1 : 2;
+  for (const PointId id : ids) {
+    const MapPoint& point = map.At(id);
+    AppendPoint(point, local.get());
+    local->confirmed.push_back(point.sightings.size() >= enough_sightings ? 1 : 0);
+  }
   for (const KeyframeId id : chosen) {
     const Keyframe& keyframe = map.At(id);
-    LocalKeyframe copy{id, keyframe.frame, keyframe.camera_from_world, keyframe.data, {}, 0};
+    LocalKeyframe copy{id, keyframe.frame, keyframe.camera_from_world, keyframe.data, {}};
     for (std::size_t i = 0; i < keyframe.points.size(); ++i) {
       if (keyframe.points[i].valid()) {
         const auto place = std::ranges::lower_bound(ids, keyframe.points[i]) - ids.begin();
         copy.links.push_back({static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(place)});
-        copy.tracked_points += map.At(keyframe.points[i]).sightings.size() >= enough_sightings ? 1 : 0;
       }
     }
     local->keyframes.push_back(std::move(copy));

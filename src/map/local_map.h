@@ -28,7 +28,6 @@ struct LocalKeyframe {
   Rigid3 camera_from_world;
   std::shared_ptr<const FrameData> data;
   std::vector<Link> links;  // ascending by keypoint
-  int tracked_points = 0;   // points seen by enough keyframes to count as tracked (keyframe policy)
 };
 
 // Points around the newest keyframe as structure of arrays, ascending by id, and the keyframes that see them. World
@@ -39,6 +38,7 @@ struct LocalMap {
   std::vector<float> normal_x, normal_y, normal_z;  // mean viewing direction, unit
   std::vector<float> min_distance_m, max_distance_m;
   std::vector<Descriptor> descriptors;
+  std::vector<std::uint8_t> confirmed;  // 1 = seen by enough keyframes to count as tracked (keyframe policy)
   std::vector<LocalKeyframe> keyframes;                // ascending by id
   std::vector<std::pair<PointId, PointId>> replaced;  // recently fused ids and what they became, ascending
   int keyframes_in_map = 0;

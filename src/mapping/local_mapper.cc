@@ -64,8 +64,12 @@ void LocalMapper::AddDepthPoints(Map& map, Keyframe& keyframe, const KeyframeCan
       const Keypoint& keypoint = data.keypoints()[index];
       const Eigen::Vector3d in_camera = data.camera().Unproject(
           {static_cast<double>(keypoint.x), static_cast<double>(keypoint.y)}, static_cast<double>(depth_m));
-      young_points_.push_back(
-          AddPoint(map, world_from_camera * in_camera, keyframe.id, index, probabilities_, probability_options_).id);
+      const PointId point =
+          AddPoint(map, world_from_camera * in_camera, keyframe.id, index, probabilities_, probability_options_).id;
+      if (!candidate.probabilities.empty()) {
+        probabilities_.Set(point, candidate.probabilities[index]);
+      }
+      young_points_.push_back(point);
     }
   }
 }

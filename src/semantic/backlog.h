@@ -24,6 +24,7 @@ struct BacklogItem {
   double timestamp_s = 0;
   std::shared_ptr<const Image8> image;
   std::shared_ptr<const FrameData> data;
+  std::vector<PointId> tracks;  // image-space track of each keypoint; empty = none
   bool from_front = false;  // set by Select: goes on to the semantic-based optimisation
 };
 

@@ -40,16 +40,27 @@ void BindTracking(TrackerOptions& options, OptionTable& table) {
              "let moving probabilities select the matches (Algorithm 2)");
   table.Int("tracking.tau", association.tau, 0, 10000, "static matches that are enough (Algorithm 2)");
   table.Choice("tracking.unknown", association.unknown,
-               {{"paper", UnknownPoints::kPaper}, {"support", UnknownPoints::kSupport}},
-               "unknown points: used while fewer than tau static ones are there, or always with their lower weight");
+               {{"paper", UnknownPoints::kPaper}, {"always", UnknownPoints::kAlways}, {"gated", UnknownPoints::kGated}},
+               "unknown points are used while fewer than tau static ones are there; always; or as in the paper, and "
+               "also where static ones are few, if they agree with the pose of those");
+  table.Int("tracking.few_static", association.few_static, 0, 10000,
+            "gated: static inliers below which unknown points are let in");
+}
+
+void BindTracks(FeatureTrackOptions& options, OptionTable& table) {
+  table.Flag("tracks.enabled", options.enabled, "follow keypoints through the images and let labels follow them");
+  table.Real("tracks.window_px", options.window_px, 1, 200, "search window of a track, pixels");
+  table.Real("tracks.vote_window_px", options.vote_window_px, 0, 200,
+             "neighbourhood in which dynamic tracks speak for keypoints without a label, pixels");
+  table.Real("tracks.vote_depth", options.vote_depth, 0, 1, "difference in depth of such neighbours, as a share");
+  table.Int("tracks.votes", options.votes, 1, 100, "neighbours on dynamic tracks that are enough");
 }
 
 void BindPolicy(KeyframePolicyOptions& options, OptionTable& table) {
   table.Choice("keyframe.rule", options.rule, {{"orb_slam3", KeyframeRule::kOrbSlam3}, {"paper", KeyframeRule::kPaper}},
                "when a frame becomes a keyframe");
   table.Int("keyframe.max_frames", options.max_frames, 1, 10000, "a keyframe is due after so many frames");
-  table.Int("keyframe.min_frames", options.min_frames, 0, 10000,
-            "frames between keyframes while tracking is not weak");
+  table.Int("keyframe.min_frames", options.min_frames, 0, 10000, "frames between keyframes while tracking is not weak");
   table.Real("keyframe.tracked_ratio", options.tracked_ratio, 0, 1,
              "share of the reference keyframe's points below which the view is new");
   table.Real("keyframe.weak_ratio", options.weak_ratio, 0, 1, "share below which a keyframe is wanted at once");
@@ -107,8 +118,7 @@ void BindSemantic(SemanticOptions& options, OptionTable& table) {
   table.Real("semantic.max_mask_share", options.max_mask_share, 0.01, 1, "share of the image that a mask may cover");
   table.Real("semantic.finish_timeout_s", options.finish_timeout_s, 0, 3600,
              "time for missing labels at the end, seconds");
-  table.Real("semantic.cancel_timeout_s", options.cancel_timeout_s, 0, 3600,
-             "time for a back end to give up, seconds");
+  table.Real("semantic.cancel_timeout_s", options.cancel_timeout_s, 0, 3600, "time for a back end to give up, seconds");
   table.Int("semantic.lockstep_delay_frames", options.lockstep_delay_frames, 0, 100000,
             "lockstep: frames between a request and its labels");
   MovingProbabilityOptions& probability = options.probability;
@@ -170,6 +180,7 @@ OptionTable BindOptions(Options& options) {
   BindOrb(options.orb, table);
   BindPose(options.pose, table);
   BindTracking(options.tracking, table);
+  BindTracks(options.tracking.tracks, table);
   BindPolicy(options.tracking.policy, table);
   BindMapping(options.mapping, options.local_map, table);
   BindSemantic(options.semantic, table);

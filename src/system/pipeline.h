@@ -56,6 +56,7 @@ class Pipeline {
 
   [[nodiscard]] std::shared_ptr<const LocalMap> CurrentLocalMap() const { return local_map_.Get(); }
   [[nodiscard]] const MovingProbabilities& probabilities() const { return probabilities_; }
+  [[nodiscard]] MovingProbabilities& track_labels() { return track_labels_; }
   [[nodiscard]] MapView ViewMap() const;
   [[nodiscard]] MaskView ViewMask() const;
   // Newest frame that has been labelled; -1 before the first.
@@ -81,7 +82,8 @@ class Pipeline {
   Options options_;
   ScalePyramid pyramid_;
   std::shared_ptr<Segmenter> segmenter_;
-  MovingProbabilities probabilities_;
+  MovingProbabilities probabilities_;  // by map point
+  MovingProbabilities track_labels_;   // by image-space track
   LocalMapper mapper_;
   Guarded<World> world_;
   Guarded<Figures> figures_;

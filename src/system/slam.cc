@@ -157,7 +157,7 @@ Slam::Impl::Impl(const PinholeCamera& camera, const Options& options, std::share
         tracking.association.probability = options.semantic.probability;
         tracking.association.use_semantics &= shared_->pipeline.HasSegmenter();
         return tracking;
-      }(), options.pose, extractor_.pyramid(), shared_->pipeline.probabilities()) {
+      }(), options.pose, extractor_.pyramid(), shared_->pipeline.probabilities(), shared_->pipeline.track_labels()) {
   ValidateOptions(options);
   if (!options_.system.lockstep) {
     mapping_ = std::make_unique<Worker>([shared = shared_] { RunMapping(*shared); });
@@ -236,7 +236,7 @@ FrameResult Slam::Impl::Process(const RgbdFrame& frame) {
 
 bool Slam::Impl::OfferKeyframe(const RgbdFrame& frame) {
   KeyframeCandidate candidate = tracker_.MakeCandidate();
-  BacklogItem item{candidate.frame, frame.timestamp_s, frame.image, candidate.data, false};
+  BacklogItem item{candidate.frame, frame.timestamp_s, frame.image, candidate.data, candidate.tracks, false};
   const bool first = !candidate.reference.valid();
   if (options_.system.lockstep || first) {
     // The first keyframe is the map: the second frame must find it there, so this one thread makes it.

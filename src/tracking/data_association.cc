@@ -5,7 +5,8 @@
 namespace rds {
 
 Association SelectMatches(std::span<const PointMatch> matches, const LocalMap& map,
-                          const MovingProbabilities& probabilities, const AssociationOptions& options) {
+                          const MovingProbabilities& probabilities, std::span<const double> keypoint_probabilities,
+                          const AssociationOptions& options) {
   Association result;
   if (!options.use_semantics) {
     result.used.assign(matches.begin(), matches.end());
@@ -13,7 +14,10 @@ Association SelectMatches(std::span<const PointMatch> matches, const LocalMap& m
   }
   std::vector<PointMatch> unknown;
   for (PointMatch match : matches) {
-    const double p = probabilities.Get(map.ids[match.point]);
+    double p = probabilities.Get(map.ids[match.point]);
+    if (!keypoint_probabilities.empty() && StateOf(p, options.probability) == PointState::kUnknown) {
+      p = keypoint_probabilities[match.keypoint];
+    }
     match.state = StateOf(p, options.probability);
     match.weight = 1.0 - p;
     switch (match.state) {
@@ -29,7 +33,7 @@ Association SelectMatches(std::span<const PointMatch> matches, const LocalMap& m
     }
   }
   result.static_count = static_cast<int>(result.used.size());
-  if (result.static_count < options.tau || options.unknown == UnknownPoints::kSupport) {
+  if (result.static_count < options.tau || options.unknown == UnknownPoints::kAlways) {
     result.used.insert(result.used.end(), unknown.begin(), unknown.end());
   } else {
     result.set_aside = std::move(unknown);

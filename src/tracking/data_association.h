@@ -12,13 +12,15 @@ namespace rds {
 
 enum class UnknownPoints : std::uint8_t {
   kPaper,    // used only while fewer than tau static ones are there
-  kSupport,  // always used, with the weight 1 - p that lets static ones lead
+  kAlways,   // always used, with the weight 1 - p that lets static ones lead
+  kGated,    // the paper's rule; where static ones are enough but few, also those that agree with their pose
 };
 
 struct AssociationOptions {
   bool use_semantics = true;  // false: every match is used, as if no point had a label
   int tau = 20;               // static matches that are enough
-  UnknownPoints unknown = UnknownPoints::kSupport;
+  UnknownPoints unknown = UnknownPoints::kGated;
+  int few_static = 60;        // kGated: below so many static inliers unknown ones are let in
   MovingProbabilityOptions probability;
 };
 
@@ -38,8 +40,11 @@ struct Association {
   int static_count = 0;               // how many of `used` are static
 };
 
-// Classifies matches by the probabilities of this moment and selects the ones to use. Re-entrant.
+// Classifies matches by the probabilities of this moment and selects the ones to use. A point of unknown state has the
+// probability of its keypoint (one for each of the frame, or none at all). Re-entrant.
 [[nodiscard]] Association SelectMatches(std::span<const PointMatch> matches, const LocalMap& map,
-                                        const MovingProbabilities& probabilities, const AssociationOptions& options);
+                                        const MovingProbabilities& probabilities,
+                                        std::span<const double> keypoint_probabilities,
+                                        const AssociationOptions& options);
 
 }  // namespace rds

@@ -28,8 +28,8 @@ struct KeyframeSituation {
   int frames_since_regained = 0;      // since tracking was last regained; large if never
   bool mapping_idle = false;
   bool segmenter_idle = false;        // semantics run and the backlog holds nothing to label
-  int inliers = 0;                    // matches that the pose stands on
-  int reference_tracked_points = 0;   // points of the reference keyframe seen by enough keyframes
+  int inliers = 0;                    // matches that the pose stands on or could have stood on; no dynamic ones
+  int reference_tracked_points = 0;   // confirmed points of the reference keyframe; no dynamic ones
   int close_tracked = 0;              // close keypoints with depth that are matched
   int close_untracked = 0;            // close keypoints with depth that are not
 };

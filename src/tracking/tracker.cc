@@ -1,6 +1,7 @@
 #include "tracking/tracker.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "base/error.h"
@@ -10,8 +11,13 @@
 namespace rds {
 
 Tracker::Tracker(const TrackerOptions& options, const PoseOptimizerOptions& pose, const ScalePyramid& pyramid,
-                 const MovingProbabilities& probabilities)
-    : options_(options), pose_options_(pose), pyramid_(pyramid), probabilities_(probabilities) {}
+                 const MovingProbabilities& probabilities, MovingProbabilities& track_labels)
+    : options_(options),
+      pose_options_(pose),
+      pyramid_(pyramid),
+      probabilities_(probabilities),
+      track_labels_(track_labels),
+      tracks_(options.tracks) {}
 
 TrackOutcome Tracker::Track(FrameId frame, double timestamp_s, std::shared_ptr<const FrameData> data,
                             std::shared_ptr<const LocalMap> map, const WorkerStatus& status) {
@@ -28,6 +34,12 @@ TrackOutcome Tracker::Track(FrameId frame, double timestamp_s, std::shared_ptr<c
   association_ = {};
   outliers_.clear();
   TrackOutcome outcome;
+  if (options_.association.use_semantics && options_.tracks.enabled) {
+    const Stopwatch watch;
+    tracks_.Advance(current_.data, track_labels_);
+    keypoint_probabilities_ = tracks_.Probabilities(track_labels_, options_.association.probability);
+    outcome.matching_ms += watch.Milliseconds();
+  }
   if (map_ == nullptr) {
     return Start(std::move(outcome));
   }
@@ -58,8 +70,10 @@ TrackOutcome Tracker::Track(FrameId frame, double timestamp_s, std::shared_ptr<c
   } else {
     velocity_ = current_.camera_from_world * last_.camera_from_world.Inverse();
   }
-  for (const PointMatch& match : association_.used) {
-    current_.points[match.keypoint] = map_->ids[match.point];
+  for (const auto* matches : {&association_.used, &association_.set_aside}) {
+    for (const PointMatch& match : *matches) {
+      current_.points[match.keypoint] = map_->ids[match.point];
+    }
   }
   ChooseReference(&outcome);
   outcome.tracked = true;
@@ -91,36 +105,46 @@ void Tracker::Rebase() {
   }
 }
 
-int Tracker::OptimizeFrom(std::vector<PointMatch> matches, TrackOutcome* outcome) {
+PoseObservation Tracker::Observe(const PointMatch& match) const {
+  const Keypoint& keypoint = current_.data->keypoints()[match.keypoint];
+  PoseObservation observation;
+  observation.point_in_world = map_->Position(match.point);
+  observation.keypoint.pixel = {static_cast<double>(keypoint.x), static_cast<double>(keypoint.y)};
+  observation.keypoint.right_x = static_cast<double>(keypoint.right_x);
+  observation.keypoint.inverse_sigma2 = pyramid_.inverse_sigma2[keypoint.octave];
+  observation.keypoint.weight = match.weight;
+  return observation;
+}
+
+int Tracker::OptimizeFrom(std::span<const PointMatch> matches, TrackOutcome* outcome) {
   const Stopwatch watch;
-  association_ = SelectMatches(matches, *map_, probabilities_, options_.association);
+  association_ = SelectMatches(matches, *map_, probabilities_, keypoint_probabilities_, options_.association);
+  OptimizeUsed();
+  outcome->pose_ms += watch.Milliseconds();
+  return static_cast<int>(association_.used.size());
+}
+
+void Tracker::OptimizeUsed() {
   std::vector<PoseObservation> observations;
   observations.reserve(association_.used.size());
   for (const PointMatch& match : association_.used) {
-    const Keypoint& keypoint = current_.data->keypoints()[match.keypoint];
-    PoseObservation observation;
-    observation.point_in_world = map_->Position(match.point);
-    observation.keypoint.pixel = {static_cast<double>(keypoint.x), static_cast<double>(keypoint.y)};
-    observation.keypoint.right_x = static_cast<double>(keypoint.right_x);
-    observation.keypoint.inverse_sigma2 = pyramid_.inverse_sigma2[keypoint.octave];
-    observation.keypoint.weight = match.weight;
-    observations.push_back(observation);
+    observations.push_back(Observe(match));
   }
   const PoseResult result =
       OptimizePose(current_.data->camera(), current_.camera_from_world, observations, pose_options_);
   current_.camera_from_world = result.camera_from_world;
   std::vector<PointMatch> inliers;
   inliers.reserve(association_.used.size());
+  association_.static_count = 0;
   for (std::size_t i = 0; i < association_.used.size(); ++i) {
     if (result.inlier[i] != 0) {
       inliers.push_back(association_.used[i]);
+      association_.static_count += inliers.back().state == PointState::kStatic ? 1 : 0;
     } else {
       outliers_.push_back(association_.used[i]);
     }
   }
   association_.used = std::move(inliers);
-  outcome->pose_ms += watch.Milliseconds();
-  return static_cast<int>(association_.used.size());
 }
 
 bool Tracker::TrackLastFrame(TrackOutcome* outcome) {
@@ -144,7 +168,7 @@ bool Tracker::TrackLastFrame(TrackOutcome* outcome) {
   }
   outcome->matching_ms += watch.Milliseconds();
   return std::ssize(matches) >= options_.min_motion_matches &&
-         OptimizeFrom(std::move(matches), outcome) >= options_.min_motion_inliers;
+         OptimizeFrom(matches, outcome) >= options_.min_motion_inliers;
 }
 
 bool Tracker::TrackReferenceKeyframe(TrackOutcome* outcome) {
@@ -158,7 +182,7 @@ bool Tracker::TrackReferenceKeyframe(TrackOutcome* outcome) {
   std::vector<PointMatch> matches = MatchKeyframe(*reference, *current_.data, options_.reference_ratio);
   outcome->matching_ms += watch.Milliseconds();
   return std::ssize(matches) >= options_.min_reference_matches &&
-         OptimizeFrom(std::move(matches), outcome) >= options_.min_motion_inliers;
+         OptimizeFrom(matches, outcome) >= options_.min_motion_inliers;
 }
 
 bool Tracker::Regain(TrackOutcome* outcome) {
@@ -176,13 +200,13 @@ bool Tracker::Regain(TrackOutcome* outcome) {
     const LocalKeyframe& keyframe = *nearest[static_cast<std::size_t>(i)].second;
     outliers_.clear();
     std::vector<PointMatch> matches = MatchKeyframe(keyframe, *current_.data, options_.reference_ratio);
-    const Association selected = SelectMatches(matches, *map_, probabilities_, options_.association);
+    const Association selected = SelectMatches(matches, *map_, probabilities_, keypoint_probabilities_, options_.association);
     if (std::ssize(selected.used) < options_.min_reference_matches) {
       continue;
     }
     const auto pose = RansacPose(*current_.data, selected.used, *map_, pyramid_, options_.min_motion_inliers);
     current_.camera_from_world = pose ? *pose : keyframe.camera_from_world;
-    if (OptimizeFrom(std::move(matches), outcome) >= options_.min_motion_inliers) {
+    if (OptimizeFrom(matches, outcome) >= options_.min_motion_inliers) {
       outcome->matching_ms += watch.Milliseconds();
       return true;
     }
@@ -209,9 +233,57 @@ bool Tracker::TrackLocalMap(TrackOutcome* outcome) {
   matches.insert(matches.end(), search.matches.begin(), search.matches.end());
   outliers_.clear();
   outcome->local_map_ms += watch.Milliseconds();
-  const int inliers = OptimizeFrom(std::move(matches), outcome);
+  OptimizeFrom(matches, outcome);
+  SettleUnknown(outcome);
   CountUse(search);
-  return inliers >= (regaining_ ? options_.min_regain_inliers : options_.min_inliers);
+  return StandsFirm();
+}
+
+bool Tracker::Agrees(const PointMatch& match) const {
+  const PoseObservation observation = Observe(match);
+  Eigen::Vector3d residual_px;
+  Eigen::Matrix<double, 3, 6> jacobian;
+  const double bound = observation.keypoint.HasDepth() ? kChi2Depth : kChi2Mono;
+  return PoseResidual(current_.data->camera(), current_.camera_from_world, observation, &residual_px, &jacobian) &&
+         residual_px.squaredNorm() * observation.keypoint.inverse_sigma2 < bound;
+}
+
+void Tracker::SettleUnknown(TrackOutcome* outcome) {
+  const Stopwatch watch;
+  std::vector<PointMatch> agreeing;
+  for (const PointMatch& match : association_.set_aside) {
+    (Agrees(match) ? agreeing : outliers_).push_back(match);
+  }
+  association_.set_aside.clear();
+  if (options_.association.unknown == UnknownPoints::kGated &&
+      association_.static_count < options_.association.few_static && !agreeing.empty()) {
+    // Together they may weigh as much as the static ones, not more.
+    double static_weight2 = 0;
+    double unknown_weight2 = 0;
+    for (const PointMatch& match : association_.used) {
+      static_weight2 += match.weight * match.weight;
+    }
+    for (const PointMatch& match : agreeing) {
+      unknown_weight2 += match.weight * match.weight;
+    }
+    const double share = std::min(1.0, std::sqrt(static_weight2 / unknown_weight2));
+    for (PointMatch match : agreeing) {
+      match.weight *= share;
+      association_.used.push_back(match);
+    }
+    OptimizeUsed();
+  } else {
+    association_.set_aside = std::move(agreeing);
+  }
+  outcome->pose_ms += watch.Milliseconds();
+}
+
+// Static points are known to be what they seem, so fewer of them make a pose.
+bool Tracker::StandsFirm() const {
+  const auto inliers = static_cast<int>(association_.used.size());
+  const int enough = regaining_ ? options_.min_regain_inliers : options_.min_inliers;
+  const int enough_static = regaining_ ? options_.min_inliers : options_.association.tau;
+  return inliers >= enough || association_.static_count >= std::max(enough_static, 1);
 }
 
 void Tracker::CountUse(const LocalSearch& search) {
@@ -230,8 +302,10 @@ void Tracker::CountUse(const LocalSearch& search) {
   for (const std::uint32_t point : search.visible) {
     ++use_of(point).visible;
   }
-  for (const PointMatch& match : association_.used) {
-    ++use_of(match.point).found;
+  for (const auto* matches : {&association_.used, &association_.set_aside}) {
+    for (const PointMatch& match : *matches) {
+      ++use_of(match.point).found;
+    }
   }
 }
 
@@ -265,10 +339,16 @@ KeyframeSituation Tracker::Situation(const WorkerStatus& status) const {
   situation.frames_since_regained = frames_since_regained_;
   situation.mapping_idle = status.mapping_idle;
   situation.segmenter_idle = status.segmenter_idle;
-  situation.inliers = static_cast<int>(association_.used.size());
+  situation.inliers = static_cast<int>(association_.used.size() + association_.set_aside.size());
   const LocalKeyframe* reference = map_->Find(current_.reference);
   Check(reference != nullptr, "the reference keyframe is in the snapshot");
-  situation.reference_tracked_points = reference->tracked_points;
+  const AssociationOptions& association = options_.association;
+  for (const LocalKeyframe::Link& link : reference->links) {
+    const bool dynamic = association.use_semantics &&
+                         StateOf(probabilities_.Get(map_->ids[link.point]), association.probability) ==
+                             PointState::kDynamic;
+    situation.reference_tracked_points += map_->confirmed[link.point] != 0 && !dynamic ? 1 : 0;
+  }
   const double close_m = options_.close_baselines * current_.data->camera().baseline_m;
   std::vector<std::uint8_t> rejected(current_.data->size(), 0);
   for (const PointMatch& match : association_.dynamic) {
@@ -294,6 +374,8 @@ KeyframeCandidate Tracker::MakeCandidate() const {
   for (const PointMatch& match : association_.dynamic) {
     candidate.blocked.push_back(match.keypoint);
   }
+  candidate.tracks.assign(tracks_.ids().begin(), tracks_.ids().end());
+  candidate.probabilities = keypoint_probabilities_;
   for (const PointId id : used_ids_) {
     candidate.uses.push_back(uses_[id.index()]);
   }

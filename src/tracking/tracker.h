@@ -11,6 +11,7 @@
 #include "optim/pose_optimizer.h"
 #include "semantic/moving_probability.h"
 #include "tracking/data_association.h"
+#include "tracking/feature_tracks.h"
 #include "tracking/keyframe_policy.h"
 #include "tracking/projection_search.h"
 
@@ -26,11 +27,12 @@ struct TrackerOptions {
   double local_window_px = 3;
   double regain_window_px = 10;
   double local_ratio = 0.8;
-  int min_inliers = 30;            // of a tracked frame
-  int min_regain_inliers = 50;     // when regaining
+  int min_inliers = 30;            // of a tracked frame; static ones alone need only tau
+  int min_regain_inliers = 50;     // when regaining; static ones alone need only min_inliers
   int regain_keyframes = 10;       // nearest keyframes that are tried
   double close_baselines = 40;     // depth below so many baselines is close
   AssociationOptions association;
+  FeatureTrackOptions tracks;
   KeyframePolicyOptions policy;
 };
 
@@ -58,9 +60,9 @@ struct TrackOutcome {
 // and the wait-free table of probabilities, changes only itself. One instance, one caller.
 class Tracker {
  public:
-  // `probabilities` must outlive the tracker.
+  // Both tables must outlive the tracker; `track_labels` is by image-space track.
   Tracker(const TrackerOptions& options, const PoseOptimizerOptions& pose, const ScalePyramid& pyramid,
-          const MovingProbabilities& probabilities);
+          const MovingProbabilities& probabilities, MovingProbabilities& track_labels);
 
   // Tracks one frame. `map` is null before the first keyframe is in the map.
   TrackOutcome Track(FrameId frame, double timestamp_s, std::shared_ptr<const FrameData> data,
@@ -90,15 +92,26 @@ class Tracker {
   bool Regain(TrackOutcome* outcome);
   bool TrackLocalMap(TrackOutcome* outcome);
   // Pose from the matches that Algorithm 2 lets through; keeps the inliers in matches_. Returns their number.
-  int OptimizeFrom(std::vector<PointMatch> matches, TrackOutcome* outcome);
+  int OptimizeFrom(std::span<const PointMatch> matches, TrackOutcome* outcome);
+  // Optimises the pose over association_.used and keeps the inliers there.
+  void OptimizeUsed();
+  // Drops unknown matches that were not needed for the pose and do not agree with it; lets the others in where static
+  // ones are few (UnknownPoints::kGated).
+  void SettleUnknown(TrackOutcome* outcome);
+  [[nodiscard]] bool Agrees(const PointMatch& match) const;
+  [[nodiscard]] bool StandsFirm() const;
   void ChooseReference(TrackOutcome* outcome);
   void CountUse(const LocalSearch& search);
+  [[nodiscard]] PoseObservation Observe(const PointMatch& match) const;
   [[nodiscard]] KeyframeSituation Situation(const WorkerStatus& status) const;
 
   TrackerOptions options_;
   PoseOptimizerOptions pose_options_;
   ScalePyramid pyramid_;
   const MovingProbabilities& probabilities_;
+  MovingProbabilities& track_labels_;
+  FeatureTracks tracks_;
+  std::vector<double> keypoint_probabilities_;  // of the current frame
 
   std::shared_ptr<const LocalMap> map_;
   Frame last_;
