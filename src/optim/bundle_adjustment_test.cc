@@ -308,6 +308,25 @@ TEST(AdjustBundle, StopsEarlyWithTheBestState) {
   }
 }
 
+TEST(AdjustBundle, NeverEndsWorseThanItBegan) {  // far off, where first steps go astray and must be taken back
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    const Scene scene = MakeScene(5, 1, 40, 0.3, 1.0, seed);
+    for (int iterations = 1; iterations <= 3; ++iterations) {
+      BundleOptions options;
+      options.robust_iterations = iterations;
+      options.final_iterations = 0;
+      const BundleResult result = AdjustBundle(scene.problem, options);
+      EXPECT_LE(result.final_cost, result.initial_cost);
+      BundleProblem used = scene.problem;  // without what began behind a camera
+      const std::vector<Rigid3> poses = InitialPoses(scene.problem);
+      std::erase_if(used.observations, [&](const BundleProblem::Observation& observation) {
+        return (poses[observation.pose] * scene.problem.points[observation.point]).z() <= 0;
+      });
+      EXPECT_NEAR(Cost(used, result.poses, result.points), result.final_cost, 1e-6 * result.final_cost);
+    }
+  }
+}
+
 TEST(AdjustBundle, StoppedAtOnceIsNotUsableAndChangesNothing) {
   const Scene scene = MakeScene(8, 2, 150, 0.05, 0.1);
   const BundleResult result = AdjustBundle(scene.problem, {}, [] { return true; });
