@@ -5,9 +5,7 @@ set(rds_missing "")
 
 # rds_find(NAME MINIMUM BEFORE [arguments of find_package]): MINIMUM <= version < BEFORE.
 macro(rds_find name minimum before)
-  set(CMAKE_MESSAGE_LOG_LEVEL WARNING)  # Ceres tells much
   find_package(${name} ${ARGN} QUIET)
-  unset(CMAKE_MESSAGE_LOG_LEVEL)
   string(TOUPPER ${name} rds_upper)
   set(rds_version "")
   foreach(variable ${name}_VERSION ${rds_upper}_VERSION ${rds_upper}_VERSION_STRING)
@@ -28,7 +26,6 @@ set(THREADS_PREFER_PTHREAD_FLAG ON)
 find_package(Threads REQUIRED)
 rds_find(Eigen3 3.4 4 NO_MODULE)
 rds_find(OpenCV 4.5 5 COMPONENTS core imgproc imgcodecs features2d calib3d videoio)
-rds_find(Ceres 2.0 3)
 rds_find(yaml-cpp 0.7 0.9)
 rds_find(nlohmann_json 3.10 4)
 rds_find(spdlog 1.9 2)

@@ -23,7 +23,7 @@ foreach(folder base geometry optim feature map semantic tracking mapping loop ru
     target_link_libraries(${program} PRIVATE rds_cli)
   endif()
   target_link_libraries(${program} PRIVATE $<TARGET_NAME_IF_EXISTS:rds_testing> rds_core rds_flags
-    Ceres::ceres nlohmann_json::nlohmann_json ${RDS_YAML_CPP} CURL::libcurl OpenSSL::Crypto
+    nlohmann_json::nlohmann_json ${RDS_YAML_CPP} CURL::libcurl OpenSSL::Crypto
     opencv_core opencv_imgproc opencv_imgcodecs opencv_features2d opencv_calib3d
     GTest::gmock GTest::gtest_main)
   # All test programs share one precompiled header.

@@ -8,13 +8,13 @@ source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
 PACKAGES=(
   g++ cmake ninja-build ccache
-  libeigen3-dev libopencv-dev libceres-dev libyaml-cpp-dev nlohmann-json3-dev libspdlog-dev libcli11-dev
+  libeigen3-dev libopencv-dev libyaml-cpp-dev nlohmann-json3-dev libspdlog-dev libcli11-dev
   libcurl4-openssl-dev libssl-dev
   libgtest-dev libgmock-dev
   python3 python3-venv python3-pip
   ca-certificates
 )
-WANTED="g++ >= 11, CMake >= 3.22, Ninja, Eigen 3.4, OpenCV 4.5 - 4.x, Ceres 2.0 - 2.2, yaml-cpp 0.7 - 0.8,
+WANTED="g++ >= 11, CMake >= 3.22, Ninja, Eigen 3.4, OpenCV 4.5 - 4.x, yaml-cpp 0.7 - 0.8,
 nlohmann-json 3.10 - 3.x, spdlog 1.9 - 1.x, CLI11 2.1 - 2.x, libcurl >= 7.81, OpenSSL 3, GoogleTest >= 1.11,
 Python 3.8 or newer with venv; ccache is optional"
 

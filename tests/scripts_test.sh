@@ -46,7 +46,7 @@ done
 # Neither apt nor CMake: says what is wanted.
 expect_status 1 env PATH="$bin" bash scripts/install_dependencies.sh
 expect_output "CMake >= 3.22"
-expect_output "libceres-dev"
+expect_output "libopencv-dev"
 # apt, but neither root nor sudo: names the missing packages, and those alone.
 printf '#!/bin/sh\n[ "$3" = cmake ] && echo installed\nexit 0\n' >"$bin/dpkg-query"
 printf '#!/bin/sh\necho must not be called; exit 1\n' >"$bin/apt-get"
