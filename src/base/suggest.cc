@@ -16,7 +16,7 @@ std::string LowerCase(std::string_view text) {
 
 int Tolerance(std::size_t a, std::size_t b) {
   const std::size_t longer = std::max(a, b);
-  return static_cast<int>(std::max(longer / 3, longer >= 4 ? std::size_t{2} : std::size_t{1}));
+  return static_cast<int>(std::max(longer / 3, longer >= 5 ? std::size_t{2} : std::size_t{1}));
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ namespace rds {
 int EditDistance(std::string_view a, std::string_view b);
 
 // The known word with the fewest edits from `word`, ignoring case, if near enough to be meant (a third of the longer
-// word at most, at least two edits for words of four letters or more), or if one begins with the other. First of
+// word at most, at least two edits for words of five letters or more), or if one begins with the other. First of
 // equals.
 std::optional<std::string> NearestWord(std::string_view word, std::span<const std::string> known);
 
