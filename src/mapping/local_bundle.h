@@ -13,7 +13,7 @@ struct LocalBundleOptions {
   int keyframes = 20;               // optimised at most: the newest and its best covisible ones
   int fixed_keyframes = 20;         // others that see the same points, held fixed, at most
   bool weighted = true;             // residuals weighted by 1 - p (equation 6), points known as dynamic left out
-  bool labelled_only = true;        // only keyframes with semantic information, once there are enough
+  bool labelled_only = false;       // only keyframes with semantic information, once there are enough
   int enough_labelled = 3;          // keyframes; with fewer the newest keyframes take part without labels
   BundleOptions solver;
 };

@@ -20,7 +20,7 @@ struct AssociationOptions {
   bool use_semantics = true;  // false: every match is used, as if no point had a label
   int tau = 20;               // static matches that are enough
   UnknownPoints unknown = UnknownPoints::kGated;
-  int few_static = 60;        // kGated: below so many static inliers unknown ones are let in
+  int few_static = 30;        // kGated: below so many static inliers unknown ones are let in
   MovingProbabilityOptions probability;
 };
 
