@@ -40,6 +40,7 @@ std::span<const AblationVariant> AblationVariants() {
       AblationVariant{"paper's unknowns",
                       "unknown points as Algorithm 2 has them: only while fewer than tau static ones are there",
                       {"tracking.unknown=paper"}},
+      AblationVariant{"no tracks", "labels do not follow keypoints from image to image", {"tracks.enabled=false"}},
       AblationVariant{
           "no association", "tracking does not look at moving probabilities", {"tracking.use_semantics=false"}},
       AblationVariant{

@@ -32,6 +32,7 @@ InterruptGuard::InterruptGuard() {
 InterruptGuard::~InterruptGuard() {
   sigaction(SIGINT, &before_interrupt_, nullptr);
   sigaction(SIGTERM, &before_terminate_, nullptr);
+  noted_signal = 0;
 }
 
 int InterruptSignal() { return noted_signal; }

@@ -19,7 +19,7 @@ class InterruptGuard {
   struct sigaction before_terminate_ {};
 };
 
-// The signal noted since the newest InterruptGuard was made; 0 = none. Any thread.
+// The signal noted since the InterruptGuard was made; 0 = none, or no guard. Any thread.
 [[nodiscard]] int InterruptSignal();
 [[nodiscard]] inline bool Interrupted() { return InterruptSignal() != 0; }
 

@@ -12,6 +12,7 @@ TEST(Interrupt, FirstSignalIsNotedAndGuardsStartClean) {
     raise(SIGINT);
     EXPECT_EQ(InterruptSignal(), SIGINT);
   }
+  EXPECT_FALSE(Interrupted()) << "forgotten with its guard";
   const InterruptGuard guard;
   EXPECT_FALSE(Interrupted());
   raise(SIGTERM);

@@ -68,7 +68,7 @@ void DrawMask(const MaskView& mask, const FrameResult& result, cv::Mat& canvas) 
   inset.setTo(kRejectedColour, small);
   cv::rectangle(canvas, cv::Rect({5, canvas.rows - size.height - 7}, size + cv::Size(2, 2)), kText, 1);
   const auto age = static_cast<long>(result.frame.value) - static_cast<long>(mask.frame.value);
-  PutText(inset, fmt::format("mask of {} frames ago", age), {4, 13});
+  PutText(inset, fmt::format("mask: {} frames old", age), {4, 13});
 }
 
 std::string StateName(TrackingState state) {
