@@ -41,5 +41,5 @@ build() {
   shift
   cd "$ROOT" || return 1
   step "Configuring ($preset)" cmake --preset "$preset" || return
-  step "Building ($preset)" cmake --build --preset "$preset" -j "$(jobs_for_build)" ${1:+--target "$@"}
+  step "Building ($preset)" cmake --build --preset "$preset" -j "$(jobs_for_build)" ${1:+--target "$@"} -- -k 0
 }
