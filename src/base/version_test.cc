@@ -14,7 +14,10 @@ TEST(Version, IsTheBuildsOwn) {
   const auto root = std::filesystem::path(__FILE__).parent_path().parent_path().parent_path();
   std::ifstream file(root / "CMakeLists.txt");
   const std::string text(std::istreambuf_iterator<char>(file), {});
-  EXPECT_THAT(text, ::testing::HasSubstr(std::string("project(rds VERSION ") + kVersion + " "));
+  std::string expected = "project(rds VERSION ";
+  expected += kVersion;
+  expected += " ";
+  EXPECT_THAT(text, ::testing::HasSubstr(expected));
 }
 
 }  // namespace

@@ -9,25 +9,25 @@ Candidate FindBest(const FrameData& frame, const SearchWindow& window, const Des
   Candidate best;
   const auto keypoints = frame.keypoints();
   const auto descriptors = frame.descriptors();
-  frame.ForEachInWindow(
-      window.x, window.y, window.radius_px, window.min_octave, window.max_octave, [&](std::size_t index) {
-        const Keypoint& keypoint = keypoints[index];
-        if (window.right_x >= 0 && keypoint.right_x >= 0 &&
-            std::abs(window.right_x - keypoint.right_x) > window.radius_px) {
-          return;
-        }
-        const int distance = HammingDistance(descriptor, descriptors[index]);
-        if (distance < best.distance) {
-          best.second_distance = best.distance;
-          best.second_octave = best.octave;
-          best.distance = distance;
-          best.octave = keypoint.octave;
-          best.keypoint = static_cast<int>(index);
-        } else if (distance < best.second_distance) {
-          best.second_distance = distance;
-          best.second_octave = keypoint.octave;
-        }
-      });
+  frame.ForEachInWindow(window.x, window.y, window.radius_px, window.min_octave, window.max_octave,
+                        [&](std::size_t index) {
+                          const Keypoint& keypoint = keypoints[index];
+                          if (window.right_x >= 0 && keypoint.right_x >= 0 &&
+                              std::abs(window.right_x - keypoint.right_x) > window.radius_px) {
+                            return;
+                          }
+                          const int distance = HammingDistance(descriptor, descriptors[index]);
+                          if (distance < best.distance) {
+                            best.second_distance = best.distance;
+                            best.second_octave = best.octave;
+                            best.distance = distance;
+                            best.octave = keypoint.octave;
+                            best.keypoint = static_cast<int>(index);
+                          } else if (distance < best.second_distance) {
+                            best.second_distance = distance;
+                            best.second_octave = keypoint.octave;
+                          }
+                        });
   return best;
 }
 
@@ -40,8 +40,8 @@ std::vector<Match> MatchSet::Take() const {
   std::vector<Match> matches;
   for (std::size_t i = 0; i < best_.size(); ++i) {
     if (best_[i] != kFree) {
-      matches.push_back({static_cast<std::uint32_t>(best_[i]), static_cast<std::uint32_t>(i),
-                         static_cast<int>(best_[i] >> 32)});
+      matches.push_back(
+          {static_cast<std::uint32_t>(best_[i]), static_cast<std::uint32_t>(i), static_cast<int>(best_[i] >> 32)});
     }
   }
   return matches;

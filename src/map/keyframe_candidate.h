@@ -23,13 +23,13 @@ struct KeyframeCandidate {
   FrameId frame;
   double timestamp_s = 0;
   std::shared_ptr<const FrameData> data;
-  KeyframeId reference;              // invalid for the very first
-  Rigid3 camera_from_reference;      // pose; in the world if there is no reference
-  std::vector<PointId> points;       // one for each keypoint, invalid = none
+  KeyframeId reference;                // invalid for the very first
+  Rigid3 camera_from_reference;        // pose; in the world if there is no reference
+  std::vector<PointId> points;         // one for each keypoint, invalid = none
   std::vector<std::uint32_t> blocked;  // keypoints that showed dynamic points: no new point is made there
-  std::vector<PointId> tracks;       // image-space track of each keypoint; empty without semantics
-  std::vector<double> probabilities; // moving probability that a new point starts from; empty without semantics
-  std::vector<PointUse> uses;        // since the keyframe before
+  std::vector<PointId> tracks;         // image-space track of each keypoint; empty without semantics
+  std::vector<double> probabilities;   // moving probability that a new point starts from; empty without semantics
+  std::vector<PointUse> uses;          // since the keyframe before
 };
 
 }  // namespace rds

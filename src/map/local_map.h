@@ -13,8 +13,8 @@
 namespace rds {
 
 struct LocalMapOptions {
-  int keyframes = 80;      // at most, in a snapshot
-  int neighbours = 10;     // best covisible keyframes that each covisible keyframe brings along
+  int keyframes = 80;   // at most, in a snapshot
+  int neighbours = 10;  // best covisible keyframes that each covisible keyframe brings along
 };
 
 // A keyframe as tracking sees it.
@@ -34,12 +34,12 @@ struct LocalKeyframe {
 // frame, metres. Never changed after BuildLocalMap: any thread may read it.
 struct LocalMap {
   std::vector<PointId> ids;
-  std::vector<float> x, y, z;                    // position
+  std::vector<float> x, y, z;                       // position
   std::vector<float> normal_x, normal_y, normal_z;  // mean viewing direction, unit
   std::vector<float> min_distance_m, max_distance_m;
   std::vector<Descriptor> descriptors;
-  std::vector<std::uint8_t> confirmed;  // 1 = seen by enough keyframes to count as tracked (keyframe policy)
-  std::vector<LocalKeyframe> keyframes;                // ascending by id
+  std::vector<std::uint8_t> confirmed;   // 1 = seen by enough keyframes to count as tracked (keyframe policy)
+  std::vector<LocalKeyframe> keyframes;  // ascending by id
   std::vector<std::pair<PointId, PointId>> replaced;  // recently fused ids and what they became, ascending
   int keyframes_in_map = 0;
   int points_in_map = 0;
@@ -54,8 +54,8 @@ struct LocalMap {
   [[nodiscard]] const LocalKeyframe* Find(KeyframeId id) const;
 };
 
-// Copies the surroundings of `centre`: itself, its covisible keyframes, their best neighbours, parents and children, and
-// all their points. The map must hold `centre`.
+// Copies the surroundings of `centre`: itself, its covisible keyframes, their best neighbours, parents and children,
+// and all their points. The map must hold `centre`.
 [[nodiscard]] std::shared_ptr<const LocalMap> BuildLocalMap(const Map& map, KeyframeId centre,
                                                             const LocalMapOptions& options);
 

@@ -82,8 +82,7 @@ bool Map::AddSighting(PointId id, KeyframeId keyframe_id, std::uint32_t keypoint
   MapPoint& point = At(id);
   Keyframe& keyframe = At(keyframe_id);
   const auto place = SightingOf(point, keyframe_id);
-  if (keyframe.points.at(keypoint).valid() ||
-      (place != point.sightings.end() && place->keyframe == keyframe_id)) {
+  if (keyframe.points.at(keypoint).valid() || (place != point.sightings.end() && place->keyframe == keyframe_id)) {
     return false;
   }
   point.sightings.insert(place, {keyframe_id, keypoint});

@@ -49,7 +49,8 @@ class Map {
   // Unlinks both sides; a point left without sightings is erased.
   void RemoveSighting(PointId point, KeyframeId keyframe);
   void ErasePoint(PointId point);
-  // Moves the sightings of `from` to `to` where `to` is not seen yet, and erases `from`, of which ReplacedBy then tells.
+  // Moves the sightings of `from` to `to` where `to` is not seen yet, and erases `from`, of which ReplacedBy then
+  // tells.
   void Fuse(PointId from, PointId to);
   // The living point that took the place of an id, following fusions: the id itself if it lives, invalid if it is gone.
   [[nodiscard]] PointId Resolve(PointId id) const;

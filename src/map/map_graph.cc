@@ -44,9 +44,8 @@ void Map::UpdateCovisibility(KeyframeId id) {
   if (!keyframe.parent.valid() && id != keyframe_ids_.front()) {
     // The most covisible older keyframe; without any, the keyframe before this one.
     const auto older = std::ranges::find_if(keyframe.covisible, [&](const Covisible& c) { return c.keyframe < id; });
-    keyframe.parent = older != keyframe.covisible.end()
-                          ? older->keyframe
-                          : *std::prev(std::ranges::lower_bound(keyframe_ids_, id));
+    keyframe.parent =
+        older != keyframe.covisible.end() ? older->keyframe : *std::prev(std::ranges::lower_bound(keyframe_ids_, id));
     Insert(At(keyframe.parent).children, id);
   }
 }

@@ -23,12 +23,12 @@ struct MapPoint {
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();    // mean direction from the observing cameras to the point, unit
   float min_distance_m = 0;                            // range in which the pyramid can see it again
   float max_distance_m = 0;
-  Descriptor descriptor{};           // the sighting's descriptor with the least median distance to the others
-  std::vector<Sighting> sightings;   // ascending by keyframe
-  KeyframeId reference;              // keyframe that hosts the point: its oldest sighting
-  KeyframeId created_at;             // newest keyframe when the point was made, for the trial of young points
-  int visible = 1;                   // frames in whose view it was
-  int found = 1;                     // frames that matched it
+  Descriptor descriptor{};          // the sighting's descriptor with the least median distance to the others
+  std::vector<Sighting> sightings;  // ascending by keyframe
+  KeyframeId reference;             // keyframe that hosts the point: its oldest sighting
+  KeyframeId created_at;            // newest keyframe when the point was made, for the trial of young points
+  int visible = 1;                  // frames in whose view it was
+  int found = 1;                    // frames that matched it
 };
 
 }  // namespace rds

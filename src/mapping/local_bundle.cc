@@ -65,8 +65,7 @@ BundleProblem::Observation ToObservation(const Map& map, const Keyframe& keyfram
 
 }  // namespace
 
-LocalBundle CopyLocalBundle(const Map& map, KeyframeId centre, bool semantics,
-                            const MovingProbabilities& probabilities,
+LocalBundle CopyLocalBundle(const Map& map, KeyframeId centre, bool semantics, const MovingProbabilities& probabilities,
                             const MovingProbabilityOptions& probability_options, const LocalBundleOptions& options) {
   LocalBundle bundle;
   const bool weighted = semantics && options.weighted;

@@ -10,21 +10,21 @@
 namespace rds {
 
 struct LocalBundleOptions {
-  int keyframes = 20;               // optimised at most: the newest and its best covisible ones
-  int fixed_keyframes = 20;         // others that see the same points, held fixed, at most
-  bool weighted = true;             // residuals weighted by 1 - p (equation 6), points known as dynamic left out
-  bool labelled_only = false;       // only keyframes with semantic information, once there are enough
-  int enough_labelled = 3;          // keyframes; with fewer the newest keyframes take part without labels
+  int keyframes = 20;          // optimised at most: the newest and its best covisible ones
+  int fixed_keyframes = 20;    // others that see the same points, held fixed, at most
+  bool weighted = true;        // residuals weighted by 1 - p (equation 6), points known as dynamic left out
+  bool labelled_only = false;  // only keyframes with semantic information, once there are enough
+  int enough_labelled = 3;     // keyframes; with fewer the newest keyframes take part without labels
   BundleOptions solver;
 };
 
 // A copy of the window around a keyframe, with what is needed to write the result back.
 struct LocalBundle {
   BundleProblem problem;
-  std::vector<KeyframeId> keyframes;         // one for each pose of the problem
-  std::vector<std::uint32_t> revisions;      // Keyframe::pose_revision when copied
-  std::vector<PointId> points;               // one for each point of the problem
-  bool worthwhile = false;                   // false: nothing to optimise
+  std::vector<KeyframeId> keyframes;     // one for each pose of the problem
+  std::vector<std::uint32_t> revisions;  // Keyframe::pose_revision when copied
+  std::vector<PointId> points;           // one for each point of the problem
+  bool worthwhile = false;               // false: nothing to optimise
 };
 
 // Copies the window out. `semantics`: labels are expected at all. Needs the door of the map.

@@ -56,8 +56,7 @@ void LocalMapper::AddDepthPoints(Map& map, Keyframe& keyframe, const KeyframeCan
   const Rigid3 world_from_camera = keyframe.camera_from_world.Inverse();
   for (std::size_t rank = 0; rank < by_depth.size(); ++rank) {
     const auto [depth_m, index] = by_depth[rank];
-    if (static_cast<double>(depth_m) > close_m &&
-        static_cast<int>(rank) >= options_.min_depth_points) {
+    if (static_cast<double>(depth_m) > close_m && static_cast<int>(rank) >= options_.min_depth_points) {
       break;
     }
     if (!keyframe.points[index].valid()) {

@@ -11,17 +11,17 @@
 namespace rds {
 
 struct MappingOptions {
-  double close_baselines = 40;      // points are made from depth below so many baselines ...
-  int min_depth_points = 100;       // ... and for at least so many of the nearest keypoints with depth
-  int young_keyframes = 3;          // keyframes for which a new point is on trial
-  double min_found_ratio = 0.25;    // of a point on trial
-  int min_sightings = 2;            // keyframes that must see a point two keyframes after it was made
+  double close_baselines = 40;    // points are made from depth below so many baselines ...
+  int min_depth_points = 100;     // ... and for at least so many of the nearest keypoints with depth
+  int young_keyframes = 3;        // keyframes for which a new point is on trial
+  double min_found_ratio = 0.25;  // of a point on trial
+  int min_sightings = 2;          // keyframes that must see a point two keyframes after it was made
   int triangulate_neighbours = 10;
   double triangulate_ratio = 0.8;
-  int fuse_neighbours = 10;         // best covisible keyframes; each brings its best five
-  double redundant_share = 0.9;     // of a keyframe's close points seen elsewhere: the keyframe goes
+  int fuse_neighbours = 10;      // best covisible keyframes; each brings its best five
+  double redundant_share = 0.9;  // of a keyframe's close points seen elsewhere: the keyframe goes
   int redundant_sightings = 3;
-  int cull_keyframes = 20;          // best covisible keyframes that are examined
+  int cull_keyframes = 20;  // best covisible keyframes that are examined
   LocalBundleOptions bundle;
 };
 

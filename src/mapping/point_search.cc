@@ -37,8 +37,7 @@ std::vector<Match> MatchAlongEpipolarLines(const Map& map, const Keyframe& a, co
                                            const Keyframe& b, double ratio) {
   const FrameData& data_a = *a.data;
   const FrameData& data_b = *b.data;
-  const Eigen::Matrix3d f =
-      Fundamental(data_a.camera(), b.camera_from_world * a.camera_from_world.Inverse());
+  const Eigen::Matrix3d f = Fundamental(data_a.camera(), b.camera_from_world * a.camera_from_world.Inverse());
   const std::vector<std::uint32_t> free_b = FreeKeypoints(b);
   MatchSet set(data_b.size());
   std::vector<float> angles;
@@ -57,8 +56,7 @@ std::vector<Match> MatchAlongEpipolarLines(const Map& map, const Keyframe& a, co
         continue;
       }
       const Keypoint& other = data_b.keypoints()[candidate];
-      const double off =
-          line.dot(Eigen::Vector3d(static_cast<double>(other.x), static_cast<double>(other.y), 1.0));
+      const double off = line.dot(Eigen::Vector3d(static_cast<double>(other.x), static_cast<double>(other.y), 1.0));
       if (off * off * map.pyramid().inverse_sigma2[other.octave] > 3.84 * norm2) {
         continue;
       }
@@ -158,8 +156,7 @@ void LocalMapper::Triangulate(Map& map, KeyframeId id) {
           TriangulatePoint(camera, map.pyramid(), {&keyframe.data->keypoints()[own], keyframe.camera_from_world},
                            {&neighbour.data->keypoints()[match.keypoint], neighbour.camera_from_world});
       if (position) {
-        const PointId point =
-            AddPoint(map, *position, id, own, probabilities_, probability_options_).id;
+        const PointId point = AddPoint(map, *position, id, own, probabilities_, probability_options_).id;
         AddSighting(map, point, neighbour_id, match.keypoint, probabilities_, probability_options_);
         map.At(point).reference = std::min(id, neighbour_id);
         map.UpdateAppearance(point);

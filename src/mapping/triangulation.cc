@@ -21,8 +21,9 @@ Eigen::Vector3d RayOf(const PinholeCamera& camera, const PointView& view) {
 
 // Cosine of the angle under which the virtual stereo pair sees the keypoint's depth; 1 without depth.
 double StereoCosine(const PinholeCamera& camera, const Keypoint& keypoint) {
-  return keypoint.HasDepth() ? std::cos(2.0 * std::atan2(0.5 * camera.baseline_m, static_cast<double>(keypoint.depth_m)))
-                             : 1.0;
+  return keypoint.HasDepth()
+             ? std::cos(2.0 * std::atan2(0.5 * camera.baseline_m, static_cast<double>(keypoint.depth_m)))
+             : 1.0;
 }
 
 Eigen::Vector3d FromDepth(const PinholeCamera& camera, const PointView& view) {
@@ -84,7 +85,8 @@ std::optional<Eigen::Vector3d> TriangulatePoint(const PinholeCamera& camera, con
     return std::nullopt;
   }
   const double distance_ratio = (point - centre_b).norm() / (point - centre_a).norm();
-  const double octave_ratio = static_cast<double>(pyramid.scale[b.keypoint->octave] / pyramid.scale[a.keypoint->octave]);
+  const double octave_ratio =
+      static_cast<double>(pyramid.scale[b.keypoint->octave] / pyramid.scale[a.keypoint->octave]);
   const double factor = 1.5 * pyramid.factor;
   if (distance_ratio * factor < octave_ratio || distance_ratio > octave_ratio * factor) {
     return std::nullopt;

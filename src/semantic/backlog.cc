@@ -32,8 +32,8 @@ BacklogItem Backlog::TakeBack() {
 std::vector<BacklogItem> Backlog::Select(SelectionMode mode, std::size_t count) {
   std::vector<BacklogItem> selected;
   while (selected.size() < count && !items_.empty()) {
-    const bool front = mode == SelectionMode::kSequential ||
-                       (mode == SelectionMode::kBidirectional && selected.size() % 2 == 0);
+    const bool front =
+        mode == SelectionMode::kSequential || (mode == SelectionMode::kBidirectional && selected.size() % 2 == 0);
     selected.push_back(front ? TakeFront() : TakeBack());
   }
   return selected;

@@ -25,7 +25,7 @@ struct BacklogItem {
   std::shared_ptr<const Image8> image;
   std::shared_ptr<const FrameData> data;
   std::vector<PointId> tracks;  // image-space track of each keypoint; empty = none
-  bool from_front = false;  // set by Select: goes on to the semantic-based optimisation
+  bool from_front = false;      // set by Select: goes on to the semantic-based optimisation
 };
 
 // Holds the images of unlabelled keyframes, at most `capacity`. Every item leaves it once: selected, or dropped when

@@ -12,15 +12,15 @@ namespace rds {
 
 struct SemanticOptimizerOptions {
   bool enabled = true;
-  int min_static = 50;           // static matches that a keyframe needs
-  double min_shift_m = 0.002;    // smaller corrections are not written: they are noise ...
-  double min_turn_deg = 0.05;    // ... unless the rotation is larger than this
+  int min_static = 50;         // static matches that a keyframe needs
+  double min_shift_m = 0.002;  // smaller corrections are not written: they are noise ...
+  double min_turn_deg = 0.05;  // ... unless the rotation is larger than this
 };
 
 // One keyframe's static matches, copied out of the map.
 struct SemanticPoseProblem {
   KeyframeId keyframe;
-  std::uint32_t revision = 0;    // Keyframe::pose_revision when copied
+  std::uint32_t revision = 0;  // Keyframe::pose_revision when copied
   PinholeCamera camera;
   Rigid3 camera_from_world;
   std::vector<PoseObservation> observations;  // weighted by 1 - p, equation 6

@@ -15,8 +15,7 @@ namespace {
 // The keyframe made from a frame, if it is in the map.
 const Keyframe* FindByFrame(const Map& map, FrameId frame) {
   const auto& ids = map.keyframes();
-  const auto place =
-      std::ranges::lower_bound(ids, frame, {}, [&](KeyframeId id) { return map.At(id).frame; });
+  const auto place = std::ranges::lower_bound(ids, frame, {}, [&](KeyframeId id) { return map.At(id).frame; });
   return place != ids.end() && map.At(*place).frame == frame ? &map.At(*place) : nullptr;
 }
 
@@ -121,12 +120,16 @@ void Pipeline::ApplyRound(const LabelledRound& round) {
         world.early_labels[item.frame] = std::move(labels);  // mapping has not come to it yet
       }
     });
-    LabelEvent event{item.frame, FrameId{current_frame_.load(std::memory_order_relaxed)}, round.segmentation_ms,
-                     round.mask_ms, watch.Milliseconds(), 0};
+    LabelEvent event{item.frame,
+                     FrameId{current_frame_.load(std::memory_order_relaxed)},
+                     round.segmentation_ms,
+                     round.mask_ms,
+                     watch.Milliseconds(),
+                     0};
     if (newest_labelled() < static_cast<std::int64_t>(item.frame.value)) {
       newest_labelled_.store(item.frame.value, std::memory_order_relaxed);
-      mask_.Publish(std::make_shared<const MaskView>(
-          MaskView{item.frame, std::make_shared<const Image8>(round.masks[i])}));
+      mask_.Publish(
+          std::make_shared<const MaskView>(MaskView{item.frame, std::make_shared<const Image8>(round.masks[i])}));
     }
     if (item.from_front && options_.semantic.optimizer.enabled) {
       watch.Restart();

@@ -29,10 +29,10 @@ struct World {
 // Masks of one round, dilated; empty = unusable.
 struct LabelledRound {
   std::vector<BacklogItem> items;
-  std::vector<Image8> masks;      // one for each item
+  std::vector<Image8> masks;  // one for each item
   double segmentation_ms = 0;
   double mask_ms = 0;
-  int failures = 0;               // requests that threw or gave something unusable
+  int failures = 0;  // requests that threw or gave something unusable
 };
 
 // State shared by tracking, mapping and semantics, and the phases that change it. MapKeyframe and its kin belong to the

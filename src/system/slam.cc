@@ -26,8 +26,8 @@ struct Waiting {
   explicit Waiting(std::size_t capacity) : backlog(capacity) {}
 
   Backlog backlog;
-  int dropped = 0;        // left unlabelled for want of room
-  bool in_flight = false; // a round is being segmented
+  int dropped = 0;         // left unlabelled for want of room
+  bool in_flight = false;  // a round is being segmented
   bool closing = false;
 };
 
@@ -58,9 +58,9 @@ void RunSemantics(Shared& shared, const SemanticOptions& options) {
     std::vector<BacklogItem> selected = shared.waiting.WaitAndWrite(
         [](const Waiting& waiting) { return waiting.closing || !waiting.backlog.empty(); },
         [&](Waiting& waiting) {
-          auto items = waiting.closing ? std::vector<BacklogItem>{}
-                                       : waiting.backlog.Select(options.selection,
-                                                                static_cast<std::size_t>(options.per_round));
+          auto items = waiting.closing
+                           ? std::vector<BacklogItem>{}
+                           : waiting.backlog.Select(options.selection, static_cast<std::size_t>(options.per_round));
           waiting.in_flight = !items.empty();
           return items;
         });
@@ -92,8 +92,7 @@ std::vector<FeatureView> ViewFeatures(const FrameData& data, const TrackOutcome&
     views.push_back({keypoint.raw_x, keypoint.raw_y, FeatureState::kUnmatched});
   }
   for (const PointMatch& match : outcome.used) {
-    views[match.keypoint].state =
-        match.state == PointState::kStatic ? FeatureState::kStatic : FeatureState::kUnknown;
+    views[match.keypoint].state = match.state == PointState::kStatic ? FeatureState::kStatic : FeatureState::kUnknown;
   }
   for (const PointMatch& match : outcome.rejected) {
     views[match.keypoint].state = FeatureState::kRejected;
@@ -152,12 +151,14 @@ Slam::Impl::Impl(const PinholeCamera& camera, const Options& options, std::share
       options_(options),
       extractor_(options.orb),
       shared_(std::make_shared<Shared>(options, extractor_.pyramid(), std::move(segmenter))),
-      tracker_([&] {
-        TrackerOptions tracking = options.tracking;
-        tracking.association.probability = options.semantic.probability;
-        tracking.association.use_semantics &= shared_->pipeline.HasSegmenter();
-        return tracking;
-      }(), options.pose, extractor_.pyramid(), shared_->pipeline.probabilities(), shared_->pipeline.track_labels()) {
+      tracker_(
+          [&] {
+            TrackerOptions tracking = options.tracking;
+            tracking.association.probability = options.semantic.probability;
+            tracking.association.use_semantics &= shared_->pipeline.HasSegmenter();
+            return tracking;
+          }(),
+          options.pose, extractor_.pyramid(), shared_->pipeline.probabilities(), shared_->pipeline.track_labels()) {
   ValidateOptions(options);
   if (!options_.system.lockstep) {
     mapping_ = std::make_unique<Worker>([shared = shared_] { RunMapping(*shared); });
@@ -198,10 +199,9 @@ void Slam::Impl::CheckFrame(const RgbdFrame& frame) const {
 WorkerStatus Slam::Impl::Status() const {
   WorkerStatus status;
   status.mapping_idle = options_.system.lockstep || (!shared_->mapping && shared_->keyframes.Size() == 0);
-  status.segmenter_idle =
-      shared_->pipeline.HasSegmenter() && shared_->waiting.Read([&](const Waiting& waiting) {
-        return waiting.backlog.empty() && !waiting.in_flight;
-      }) && !due_;
+  status.segmenter_idle = shared_->pipeline.HasSegmenter() && shared_->waiting.Read([&](const Waiting& waiting) {
+    return waiting.backlog.empty() && !waiting.in_flight;
+  }) && !due_;
   return status;
 }
 
@@ -260,20 +260,19 @@ void Slam::Impl::StepSemantics(FrameId frame) {
   }
   if (!due_ && shared_->pipeline.HasSegmenter()) {
     auto selected = shared_->waiting.Write([&](Waiting& waiting) {
-      return waiting.backlog.Select(options_.semantic.selection,
-                                    static_cast<std::size_t>(options_.semantic.per_round));
+      return waiting.backlog.Select(options_.semantic.selection, static_cast<std::size_t>(options_.semantic.per_round));
     });
     if (!selected.empty()) {
       const std::uint32_t asked = selected.back().frame.value;
-      due_ = DueRound{std::max(asked, frame.value - 1) +
-                          static_cast<std::uint32_t>(options_.semantic.lockstep_delay_frames) + 1,
-                      shared_->pipeline.Segment(std::move(selected))};
+      due_ = DueRound{
+          std::max(asked, frame.value - 1) + static_cast<std::uint32_t>(options_.semantic.lockstep_delay_frames) + 1,
+          shared_->pipeline.Segment(std::move(selected))};
     }
   }
 }
 
 void Slam::Impl::FillFrameResult(const TrackOutcome& outcome, const FrameData& data, FrameResult* result) const {
-  result->state = outcome.tracked    ? TrackingState::kTracked
+  result->state = outcome.tracked   ? TrackingState::kTracked
                   : tracked_before_ ? TrackingState::kLost
                                     : TrackingState::kNotInitialized;
   if (outcome.tracked) {

@@ -15,8 +15,8 @@ namespace rds {
 
 // What the semantic threads did with one keyframe.
 struct LabelEvent {
-  FrameId labelled_frame;  // frame of the keyframe that was labelled
-  FrameId current_frame;   // newest frame when its label arrived
+  FrameId labelled_frame;      // frame of the keyframe that was labelled
+  FrameId current_frame;       // newest frame when its label arrived
   double segmentation_ms = 0;  // of the request (shared by the keyframes of a batch)
   double mask_ms = 0;          // dilation
   double update_ms = 0;        // Bayes step
@@ -25,8 +25,8 @@ struct LabelEvent {
 
 // A view for drawing; copies, so it stays valid.
 struct MapView {
-  std::vector<Rigid3> keyframes;        // world_from_camera, in order of creation
-  std::vector<Eigen::Vector3f> points;  // in the world frame, metres
+  std::vector<Rigid3> keyframes;          // world_from_camera, in order of creation
+  std::vector<Eigen::Vector3f> points;    // in the world frame, metres
   std::vector<float> moving_probability;  // one for each point
 };
 

@@ -13,15 +13,15 @@ namespace rds {
 
 struct FeatureTrackOptions {
   bool enabled = true;
-  double window_px = 20;         // around where the track is expected
-  double vote_window_px = 30;    // neighbourhood of a keypoint without a label of its own
-  double vote_depth = 0.1;       // neighbours' depth may differ by this share
-  int votes = 2;                 // neighbours that must speak for dynamic, and be twice as many as those against
+  double window_px = 20;       // around where the track is expected
+  double vote_window_px = 30;  // neighbourhood of a keypoint without a label of its own
+  double vote_depth = 0.1;     // neighbours' depth may differ by this share
+  int votes = 2;               // neighbours that must speak for dynamic, and be twice as many as those against
 };
 
-// Follows keypoints from frame to frame by appearance alone, whatever moves: a person's features keep their tracks while
-// they walk, which no map point does. A label that arrives late for a keyframe names tracks, and so reaches the same
-// features in the frame of the moment. Not thread-safe; the labels live in a wait-free table.
+// Follows keypoints from frame to frame by appearance alone, whatever moves: a person's features keep their tracks
+// while they walk, which no map point does. A label that arrives late for a keyframe names tracks, and so reaches the
+// same features in the frame of the moment. Not thread-safe; the labels live in a wait-free table.
 class FeatureTracks {
  public:
   // Tracks are numbered round and round below this, so that the table of labels stays small.

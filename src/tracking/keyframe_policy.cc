@@ -13,7 +13,8 @@ bool PaperRule(const KeyframeSituation& s, const KeyframePolicyOptions& o) {
 bool OrbSlam3Rule(const KeyframeSituation& s, const KeyframePolicyOptions& o) {
   const bool few_close = s.close_tracked < o.close_tracked && s.close_untracked > o.close_untracked;
   const bool weak = s.inliers < o.weak_ratio * s.reference_tracked_points || few_close;
-  const bool due = s.frames_since_keyframe >= o.max_frames || (s.mapping_idle && s.frames_since_keyframe >= o.min_frames);
+  const bool due =
+      s.frames_since_keyframe >= o.max_frames || (s.mapping_idle && s.frames_since_keyframe >= o.min_frames);
   const bool new_view = s.inliers < o.tracked_ratio * s.reference_tracked_points || few_close;
   return (due || weak) && new_view && s.inliers > o.min_inliers;
 }

@@ -8,7 +8,7 @@
 namespace rds {
 namespace {
 
-constexpr float kMinCosine = 0.5F;       // of the angle between viewing ray and normal
+constexpr float kMinCosine = 0.5F;  // of the angle between viewing ray and normal
 constexpr float kStraightCosine = 0.998F;
 constexpr float kStraightWindow = 2.5F / 3.0F;  // seen from nearly the same direction: a narrower window does
 constexpr float kObliqueWindow = 4.0F / 3.0F;
@@ -68,8 +68,8 @@ Projections ProjectAll(const LocalMap& map, const PinholeCamera& camera, const R
 }  // namespace
 
 std::vector<PointMatch> SearchLastFrame(const FrameData& last, std::span<const LastSighting> sightings,
-                                        const FrameData& current, const Rigid3& camera_from_world,
-                                        const LocalMap& map, const ScalePyramid& pyramid, double window_px) {
+                                        const FrameData& current, const Rigid3& camera_from_world, const LocalMap& map,
+                                        const ScalePyramid& pyramid, double window_px) {
   const PinholeCamera& camera = current.camera();
   const Eigen::Matrix3d rotation = camera_from_world.RotationMatrix();
   MatchSet set(current.size());
@@ -88,9 +88,8 @@ std::vector<PointMatch> SearchLastFrame(const FrameData& last, std::span<const L
     const Keypoint& keypoint = last.keypoints()[sighting.keypoint];
     const float radius = static_cast<float>(window_px) * pyramid.scale[keypoint.octave];
     const float right_x = x - static_cast<float>(camera.Bf() / point.z());
-    const Candidate best =
-        FindBest(current, {x, y, right_x, radius, keypoint.octave - 1, keypoint.octave + 1},
-                 last.descriptors()[sighting.keypoint]);
+    const Candidate best = FindBest(current, {x, y, right_x, radius, keypoint.octave - 1, keypoint.octave + 1},
+                                    last.descriptors()[sighting.keypoint]);
     if (best.keypoint >= 0 && best.distance <= kLooseDistance) {
       angles[sighting.point] = keypoint.angle_deg;
       set.Add({sighting.point, static_cast<std::uint32_t>(best.keypoint), best.distance});

@@ -32,9 +32,8 @@ struct LocalSearch {
 // Searches all points of the local map in the frame's view that `taken` (one flag a point) does not mark, in keypoints
 // that `occupied` (one flag a keypoint) does not mark. A point is in view if it projects into the image within its
 // range of distances and seen from less than 60 degrees off its normal.
-[[nodiscard]] LocalSearch SearchLocalMap(const FrameData& current, const Rigid3& camera_from_world,
-                                         const LocalMap& map, const ScalePyramid& pyramid,
-                                         std::span<const std::uint8_t> taken, std::span<const std::uint8_t> occupied,
-                                         double window_px, double ratio);
+[[nodiscard]] LocalSearch SearchLocalMap(const FrameData& current, const Rigid3& camera_from_world, const LocalMap& map,
+                                         const ScalePyramid& pyramid, std::span<const std::uint8_t> taken,
+                                         std::span<const std::uint8_t> occupied, double window_px, double ratio);
 
 }  // namespace rds

@@ -51,9 +51,7 @@ TrackOutcome Tracker::Track(FrameId frame, double timestamp_s, std::shared_ptr<c
   current_.camera_from_world = last_.camera_from_world;
   current_.reference = last_.reference;
   regaining_ = !last_.tracked;
-  const bool roughly = last_.tracked
-                           ? TrackLastFrame(&outcome) || TrackReferenceKeyframe(&outcome)
-                           : Regain(&outcome);
+  const bool roughly = last_.tracked ? TrackLastFrame(&outcome) || TrackReferenceKeyframe(&outcome) : Regain(&outcome);
   current_.tracked = roughly && TrackLocalMap(&outcome);
   if (!current_.tracked) {
     // The last known pose stays the place to search from; the frame itself has none.
@@ -193,14 +191,14 @@ bool Tracker::Regain(TrackOutcome* outcome) {
     nearest.emplace_back((keyframe.camera_from_world.Inverse().translation - last_centre).norm(), &keyframe);
   }
   const auto count = std::min<std::ptrdiff_t>(std::ssize(nearest), options_.regain_keyframes);
-  std::ranges::partial_sort(nearest, nearest.begin() + count, {}, [](const auto& item) {
-    return std::pair(item.first, item.second->id);
-  });
+  std::ranges::partial_sort(nearest, nearest.begin() + count, {},
+                            [](const auto& item) { return std::pair(item.first, item.second->id); });
   for (std::ptrdiff_t i = 0; i < count; ++i) {
     const LocalKeyframe& keyframe = *nearest[static_cast<std::size_t>(i)].second;
     outliers_.clear();
     std::vector<PointMatch> matches = MatchKeyframe(keyframe, *current_.data, options_.reference_ratio);
-    const Association selected = SelectMatches(matches, *map_, probabilities_, keypoint_probabilities_, options_.association);
+    const Association selected =
+        SelectMatches(matches, *map_, probabilities_, keypoint_probabilities_, options_.association);
     if (std::ssize(selected.used) < options_.min_reference_matches) {
       continue;
     }
@@ -344,9 +342,8 @@ KeyframeSituation Tracker::Situation(const WorkerStatus& status) const {
   Check(reference != nullptr, "the reference keyframe is in the snapshot");
   const AssociationOptions& association = options_.association;
   for (const LocalKeyframe::Link& link : reference->links) {
-    const bool dynamic = association.use_semantics &&
-                         StateOf(probabilities_.Get(map_->ids[link.point]), association.probability) ==
-                             PointState::kDynamic;
+    const bool dynamic = association.use_semantics && StateOf(probabilities_.Get(map_->ids[link.point]),
+                                                              association.probability) == PointState::kDynamic;
     situation.reference_tracked_points += map_->confirmed[link.point] != 0 && !dynamic ? 1 : 0;
   }
   const double close_m = options_.close_baselines * current_.data->camera().baseline_m;

@@ -18,8 +18,8 @@
 namespace rds {
 
 struct TrackerOptions {
-  int min_start_points = 100;      // keypoints with depth that a first keyframe needs
-  double motion_window_px = 15;    // doubled if it finds too little
+  int min_start_points = 100;    // keypoints with depth that a first keyframe needs
+  double motion_window_px = 15;  // doubled if it finds too little
   int min_motion_matches = 20;
   int min_motion_inliers = 10;
   double reference_ratio = 0.7;
@@ -27,10 +27,10 @@ struct TrackerOptions {
   double local_window_px = 3;
   double regain_window_px = 10;
   double local_ratio = 0.8;
-  int min_inliers = 30;            // of a tracked frame; static ones alone need only tau
-  int min_regain_inliers = 50;     // when regaining; static ones alone need only min_inliers
-  int regain_keyframes = 10;       // nearest keyframes that are tried
-  double close_baselines = 40;     // depth below so many baselines is close
+  int min_inliers = 30;         // of a tracked frame; static ones alone need only tau
+  int min_regain_inliers = 50;  // when regaining; static ones alone need only min_inliers
+  int regain_keyframes = 10;    // nearest keyframes that are tried
+  double close_baselines = 40;  // depth below so many baselines is close
   AssociationOptions association;
   FeatureTrackOptions tracks;
   KeyframePolicyOptions policy;
@@ -45,12 +45,12 @@ struct WorkerStatus {
 // Outcome of one frame.
 struct TrackOutcome {
   bool tracked = false;
-  Rigid3 camera_from_world;         // valid if tracked
-  KeyframeId reference;             // the pose hangs on this keyframe; invalid for the very first frame
+  Rigid3 camera_from_world;  // valid if tracked
+  KeyframeId reference;      // the pose hangs on this keyframe; invalid for the very first frame
   Rigid3 camera_from_reference;
-  bool wants_keyframe = false;      // MakeCandidate gives it
-  std::vector<PointMatch> used;     // the pose stands on these
-  std::vector<PointMatch> rejected; // dynamic points and outliers
+  bool wants_keyframe = false;       // MakeCandidate gives it
+  std::vector<PointMatch> used;      // the pose stands on these
+  std::vector<PointMatch> rejected;  // dynamic points and outliers
   double matching_ms = 0;
   double pose_ms = 0;
   double local_map_ms = 0;
@@ -116,15 +116,15 @@ class Tracker {
   std::shared_ptr<const LocalMap> map_;
   Frame last_;
   Frame current_;
-  std::optional<Rigid3> velocity_;      // current camera from last camera
-  Association association_;             // of the latest pose optimisation; `used` are inliers
+  std::optional<Rigid3> velocity_;  // current camera from last camera
+  Association association_;         // of the latest pose optimisation; `used` are inliers
   std::vector<PointMatch> outliers_;
   bool started_ = false;
   bool regaining_ = false;
   int frames_since_keyframe_ = 0;
   int frames_since_regained_ = 1 << 20;
-  std::vector<PointUse> uses_;          // by point id, value-initialised where unused
-  std::vector<PointId> used_ids_;       // ids whose entry in uses_ is in use
+  std::vector<PointUse> uses_;     // by point id, value-initialised where unused
+  std::vector<PointId> used_ids_;  // ids whose entry in uses_ is in use
 };
 
 }  // namespace rds

@@ -1,0 +1,274 @@
+// End to end on a synthetic world: accuracy, lockstep, back ends that fail, bad input, shutdown in every state.
+#include "system/slam.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <memory>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "base/time.h"
+#include "geometry/alignment.h"
+#include "semantic/faulty_segmenter.h"
+#include "testing/synthetic_world.h"
+
+namespace rds {
+namespace {
+
+constexpr int kFrames = 45;
+
+SyntheticOptions SmallWorld(SyntheticScenario scenario) {
+  SyntheticOptions options;
+  options.camera = MakeSyntheticCamera(320, 240);
+  options.scenario = scenario;
+  options.frames = kFrames;
+  return options;
+}
+
+// Rendered once for all tests.
+const std::vector<SyntheticFrame>& Frames(SyntheticScenario scenario) {
+  static const auto render = [](SyntheticScenario s) {
+    const SyntheticWorld world(SmallWorld(s));
+    std::vector<SyntheticFrame> frames;
+    for (int i = 0; i < world.frame_count(); ++i) {
+      frames.push_back(world.Render(i));
+    }
+    return frames;
+  };
+  static const std::vector<SyntheticFrame> still = render(SyntheticScenario::kStatic);
+  static const std::vector<SyntheticFrame> walking = render(SyntheticScenario::kWalking);
+  return scenario == SyntheticScenario::kStatic ? still : walking;
+}
+
+// Masks of the world itself, as a back end that makes no mistakes.
+std::unique_ptr<Segmenter> TrueMasks(const std::vector<SyntheticFrame>& frames) {
+  return std::make_unique<FaultySegmenter>("true masks", std::chrono::milliseconds(0),
+                                           [&frames](std::span<const SegmentationInput> inputs) {
+                                             std::vector<Image8> masks;
+                                             for (const SegmentationInput& input : inputs) {
+                                               masks.push_back(*frames[input.frame.index()].mask);
+                                             }
+                                             return masks;
+                                           });
+}
+
+std::vector<Image8> Filled(std::span<const SegmentationInput> inputs, int width, int height, std::uint8_t value) {
+  return std::vector<Image8>(inputs.size(), Image8(width, height, 1, value));
+}
+
+Options SmallOptions(bool lockstep) {
+  Options options;
+  options.system.lockstep = lockstep;
+  options.system.wait_for_mapping = true;
+  options.semantic.finish_timeout_s = 0.3;
+  options.semantic.cancel_timeout_s = 0.3;
+  options.tracking.min_start_points = 50;
+  return options;
+}
+
+SlamResult RunAll(const std::vector<SyntheticFrame>& frames, const Options& options,
+                  std::unique_ptr<Segmenter> segmenter) {
+  Slam slam(MakeSyntheticCamera(320, 240), options, std::move(segmenter));
+  for (const SyntheticFrame& frame : frames) {
+    static_cast<void>(slam.Process(frame.rgbd));
+  }
+  return slam.Finish();
+}
+
+double AteRmse(const SlamResult& result, const std::vector<SyntheticFrame>& frames) {
+  std::vector<Eigen::Vector3d> estimate;
+  std::vector<Eigen::Vector3d> truth;
+  for (const StampedPose& pose : result.frames) {
+    for (const SyntheticFrame& frame : frames) {
+      if (std::abs(frame.rgbd.timestamp_s - pose.timestamp_s) < 1e-6) {
+        estimate.push_back(pose.world_from_camera.translation);
+        truth.push_back(frame.world_from_camera.translation);
+      }
+    }
+  }
+  const Alignment alignment = Align(estimate, truth, false);
+  double sum = 0;
+  for (std::size_t i = 0; i < estimate.size(); ++i) {
+    sum += (alignment.Apply(estimate[i]) - truth[i]).squaredNorm();
+  }
+  return std::sqrt(sum / static_cast<double>(estimate.size()));
+}
+
+bool SameBytes(const Trajectory& a, const Trajectory& b) {
+  if (a.size() != b.size()) {
+    return false;
+  }
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (std::memcmp(a[i].world_from_camera.translation.data(), b[i].world_from_camera.translation.data(),
+                    3 * sizeof(double)) != 0 ||
+        std::memcmp(a[i].world_from_camera.rotation.coeffs().data(), b[i].world_from_camera.rotation.coeffs().data(),
+                    4 * sizeof(double)) != 0) {
+      return false;
+    }
+  }
+  return true;
+}
+
+TEST(Slam, TracksAStaticWorldInLockstep) {
+  const auto& frames = Frames(SyntheticScenario::kStatic);
+  const SlamResult result = RunAll(frames, SmallOptions(true), nullptr);
+  EXPECT_EQ(result.processed_frames, kFrames);
+  EXPECT_EQ(result.tracked_frames, kFrames);
+  EXPECT_EQ(result.lost_frames, 0);
+  EXPECT_GE(result.keyframes.size(), 1U);
+  EXPECT_EQ(result.labels.size(), 0U);
+  EXPECT_LT(AteRmse(result, frames), 0.02);
+}
+
+TEST(Slam, LockstepGivesTheSameBytesTwice) {
+  const auto& frames = Frames(SyntheticScenario::kWalking);
+  const SlamResult first = RunAll(frames, SmallOptions(true), TrueMasks(frames));
+  const SlamResult second = RunAll(frames, SmallOptions(true), TrueMasks(frames));
+  EXPECT_GT(first.labels.size(), 2U);
+  EXPECT_TRUE(SameBytes(first.frames, second.frames));
+  EXPECT_TRUE(SameBytes(first.keyframes, second.keyframes));
+}
+
+TEST(Slam, LabelsEachKeyframeOnceAndLabelsSayWhatIsStatic) {
+  const auto& frames = Frames(SyntheticScenario::kWalking);
+  const SlamResult result = RunAll(frames, SmallOptions(true), TrueMasks(frames));
+  std::vector<std::uint32_t> labelled;
+  for (const LabelEvent& event : result.labels) {
+    labelled.push_back(event.labelled_frame.value);
+  }
+  std::ranges::sort(labelled);
+  EXPECT_TRUE(std::ranges::adjacent_find(labelled) == labelled.end());
+  EXPECT_EQ(labelled.front(), 0U);  // the very first keyframe too
+  EXPECT_EQ(result.keyframes_left_unlabelled, 0);
+  EXPECT_GT(result.static_points, result.unknown_points);
+  EXPECT_LT(AteRmse(result, frames), 0.05);
+}
+
+TEST(Slam, TracksThreaded) {
+  const auto& frames = Frames(SyntheticScenario::kStatic);
+  const SlamResult result = RunAll(frames, SmallOptions(false), TrueMasks(frames));
+  EXPECT_EQ(result.tracked_frames, kFrames);
+  EXPECT_LT(AteRmse(result, frames), 0.03);
+}
+
+struct Failure {
+  const char* name;
+  std::optional<std::chrono::milliseconds> delay;
+  FaultySegmenter::Answer answer;
+  bool counted;  // as a failure of segmentation
+};
+
+class SlamWithFailingSegmenter : public testing::TestWithParam<Failure> {};
+
+TEST_P(SlamWithFailingSegmenter, GoesOnAndEndsInTime) {
+  const auto& frames = Frames(SyntheticScenario::kStatic);
+  const Stopwatch watch;
+  const SlamResult result =
+      RunAll(frames, SmallOptions(false),
+             std::make_unique<FaultySegmenter>(GetParam().name, GetParam().delay, GetParam().answer));
+  EXPECT_EQ(result.tracked_frames, kFrames);
+  EXPECT_LT(AteRmse(result, frames), 0.03);
+  EXPECT_TRUE(result.labels.empty());
+  EXPECT_EQ(result.segmentation_failures > 0, GetParam().counted);
+  EXPECT_LT(watch.Seconds(), 60);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Slam, SlamWithFailingSegmenter,
+    testing::Values(
+        Failure{"throws", std::chrono::milliseconds(0),
+                [](auto) -> std::vector<Image8> { throw std::runtime_error("out of order"); }, true},
+        Failure{"takes ten seconds", std::chrono::seconds(10), [](auto inputs) { return Filled(inputs, 320, 240, 0); },
+                false},
+        Failure{"never answers", std::nullopt, [](auto inputs) { return Filled(inputs, 320, 240, 0); }, false},
+        Failure{"wrong size", std::chrono::milliseconds(0), [](auto inputs) { return Filled(inputs, 31, 24, 0); },
+                true},
+        Failure{"all ones", std::chrono::milliseconds(0), [](auto inputs) { return Filled(inputs, 320, 240, 255); },
+                true},
+        Failure{"too few masks", std::chrono::milliseconds(0), [](auto) { return std::vector<Image8>{}; }, false}),
+    [](const auto& instance) {
+      std::string name = instance.param.name;
+      std::ranges::replace(name, ' ', '_');
+      return name;
+    });
+
+TEST(Slam, EndsWithoutFinishInEveryState) {
+  const auto& frames = Frames(SyntheticScenario::kStatic);
+  for (const std::size_t count : {0U, 1U, 2U, 10U}) {
+    Slam slam(
+        MakeSyntheticCamera(320, 240), SmallOptions(false),
+        std::make_unique<FaultySegmenter>("never answers", std::nullopt, [](auto) { return std::vector<Image8>{}; }));
+    for (std::size_t i = 0; i < count; ++i) {
+      static_cast<void>(slam.Process(frames[i].rgbd));
+    }
+  }
+}
+
+TEST(Slam, FinishWithoutFramesIsEmpty) {
+  Slam slam(MakeSyntheticCamera(320, 240), SmallOptions(false));
+  const SlamResult result = slam.Finish();
+  EXPECT_EQ(result.processed_frames, 0);
+  EXPECT_TRUE(result.frames.empty());
+  EXPECT_TRUE(result.keyframes.empty());
+}
+
+TEST(Slam, RefusesBadFramesAndStaysUsable) {
+  const auto& frames = Frames(SyntheticScenario::kStatic);
+  Slam slam(MakeSyntheticCamera(320, 240), SmallOptions(true));
+  EXPECT_EQ(slam.Process(frames[0].rgbd).state, TrackingState::kTracked);
+  EXPECT_THROW(static_cast<void>(slam.Process(frames[0].rgbd)), InputError);  // the same timestamp
+  RgbdFrame bad = frames[1].rgbd;
+  bad.depth = std::make_shared<const Image16>(160, 120);
+  EXPECT_THROW(static_cast<void>(slam.Process(bad)), InputError);
+  bad.depth = nullptr;
+  EXPECT_THROW(static_cast<void>(slam.Process(bad)), InputError);
+  bad = frames[1].rgbd;
+  bad.timestamp_s = std::nan("");
+  EXPECT_THROW(static_cast<void>(slam.Process(bad)), InputError);
+  EXPECT_EQ(slam.Process(frames[1].rgbd).state, TrackingState::kTracked);
+}
+
+TEST(Slam, BlackFramesAreLostAndTrackingIsRegained) {
+  const auto& frames = Frames(SyntheticScenario::kStatic);
+  Slam slam(MakeSyntheticCamera(320, 240), SmallOptions(true));
+  int lost = 0;
+  for (int i = 0; i < kFrames; ++i) {
+    RgbdFrame frame = frames[static_cast<std::size_t>(i)].rgbd;
+    if (i >= 20 && i < 25) {
+      frame.image = std::make_shared<const Image8>(320, 240, 3);
+    }
+    const FrameResult result = slam.Process(frame);
+    EXPECT_EQ(result.world_from_camera.has_value(), result.state == TrackingState::kTracked);
+    lost += result.state == TrackingState::kLost ? 1 : 0;
+    if (i == kFrames - 1) {
+      EXPECT_EQ(result.state, TrackingState::kTracked);
+    }
+  }
+  EXPECT_GE(lost, 5);
+  const SlamResult result = slam.Finish();
+  EXPECT_EQ(result.lost_frames, lost);
+  EXPECT_EQ(result.tracked_frames, kFrames - lost);
+  EXPECT_LT(AteRmse(result, frames), 0.02);
+}
+
+TEST(Slam, WithoutDepthNothingIsInvented) {
+  const auto& frames = Frames(SyntheticScenario::kStatic);
+  Slam slam(MakeSyntheticCamera(320, 240), SmallOptions(false));
+  for (int i = 0; i < 10; ++i) {
+    RgbdFrame frame = frames[static_cast<std::size_t>(i)].rgbd;
+    frame.depth = std::make_shared<const Image16>(320, 240);
+    EXPECT_EQ(slam.Process(frame).state, TrackingState::kNotInitialized);
+  }
+  EXPECT_EQ(slam.Finish().tracked_frames, 0);
+}
+
+}  // namespace
+}  // namespace rds

@@ -1,0 +1,88 @@
+#include "tracking/data_association.h"
+
+#include <gtest/gtest.h>
+
+#include <span>
+#include <vector>
+
+namespace rds {
+namespace {
+
+// Points 0.. with given probabilities, each matched to the keypoint of its number.
+struct Scene {
+  LocalMap map;
+  MovingProbabilities probabilities;
+  std::vector<PointMatch> matches;
+
+  void Add(int count, double probability) {
+    for (int i = 0; i < count; ++i) {
+      const auto index = static_cast<std::uint32_t>(map.ids.size());
+      map.ids.push_back(PointId{index});
+      probabilities.Set(PointId{index}, probability);
+      matches.push_back({index, index, PointState::kUnknown, 1.0});
+    }
+  }
+  [[nodiscard]] Association Select(const AssociationOptions& options, std::span<const double> keypoints = {}) const {
+    return SelectMatches(matches, map, probabilities, keypoints, options);
+  }
+};
+
+TEST(DataAssociation, EnoughStaticMatchesLeaveUnknownOnesAside) {
+  Scene scene;
+  scene.Add(30, 0.5);
+  scene.Add(20, 0.1);
+  scene.Add(10, 0.9);
+  const Association association = scene.Select({});
+  EXPECT_EQ(association.used.size(), 20U);
+  EXPECT_EQ(association.static_count, 20);
+  EXPECT_EQ(association.set_aside.size(), 30U);
+  EXPECT_EQ(association.dynamic.size(), 10U);
+}
+
+TEST(DataAssociation, BelowTauUnknownOnesFollowTheStaticOnes) {
+  Scene scene;
+  scene.Add(30, 0.5);
+  scene.Add(19, 0.1);
+  scene.Add(10, 0.9);
+  const Association association = scene.Select({});
+  ASSERT_EQ(association.used.size(), 49U);
+  EXPECT_EQ(association.used.front().state, PointState::kStatic);
+  EXPECT_EQ(association.used.back().state, PointState::kUnknown);
+  EXPECT_DOUBLE_EQ(association.used.front().weight, 1.0);
+  EXPECT_NEAR(association.used.back().weight, 0.5 / 0.9, 1e-6);
+  EXPECT_EQ(association.dynamic.size(), 10U);  // never used
+}
+
+TEST(DataAssociation, WithoutSemanticsEverythingIsUsedAlike) {
+  Scene scene;
+  scene.Add(5, 0.9);
+  scene.Add(5, 0.1);
+  AssociationOptions options;
+  options.use_semantics = false;
+  const Association association = scene.Select(options);
+  EXPECT_EQ(association.used.size(), 10U);
+  for (const PointMatch& match : association.used) {
+    EXPECT_EQ(match.weight, 1.0);
+  }
+}
+
+TEST(DataAssociation, AKeypointsLabelSpeaksForAnUnknownPointOnly) {
+  Scene scene;
+  scene.Add(1, 0.5);
+  scene.Add(1, 0.1);
+  const std::vector<double> keypoints = {0.9, 0.9};
+  const Association association = scene.Select({}, keypoints);
+  ASSERT_EQ(association.dynamic.size(), 1U);
+  EXPECT_EQ(association.dynamic[0].point, 0U);
+  ASSERT_EQ(association.used.size(), 1U);
+  EXPECT_EQ(association.used[0].point, 1U);
+}
+
+TEST(DataAssociation, OnlyDynamicMatchesLeaveNothing) {
+  Scene scene;
+  scene.Add(40, 0.95);
+  EXPECT_TRUE(scene.Select({}).used.empty());
+}
+
+}  // namespace
+}  // namespace rds

@@ -1,0 +1,96 @@
+#include "tracking/keyframe_policy.h"
+
+#include <gtest/gtest.h>
+
+namespace rds {
+namespace {
+
+// A frame that gives no reason for a keyframe.
+KeyframeSituation Calm() {
+  KeyframeSituation s;
+  s.frames_since_keyframe = 5;
+  s.frames_since_regained = 1000;
+  s.mapping_idle = true;
+  s.inliers = 95;
+  s.reference_tracked_points = 100;
+  s.close_tracked = 200;
+  s.close_untracked = 10;
+  return s;
+}
+
+TEST(KeyframePolicy, AnUnchangedViewIsNoKeyframe) {
+  KeyframeSituation s = Calm();
+  EXPECT_FALSE(WantsKeyframe(s, {}));
+  s.frames_since_keyframe = 1000;  // time alone is no reason
+  EXPECT_FALSE(WantsKeyframe(s, {}));
+}
+
+TEST(KeyframePolicy, ANewViewIsAKeyframeWhenMappingIsIdle) {
+  const KeyframePolicyOptions options;
+  KeyframeSituation s = Calm();
+  s.inliers = static_cast<int>(options.tracked_ratio * 100) - 1;
+  EXPECT_TRUE(WantsKeyframe(s, options));
+  s.mapping_idle = false;
+  EXPECT_FALSE(WantsKeyframe(s, options));
+  s.frames_since_keyframe = options.max_frames;  // overdue
+  EXPECT_TRUE(WantsKeyframe(s, options));
+}
+
+TEST(KeyframePolicy, WeakTrackingDoesNotWaitForMapping) {
+  KeyframeSituation s = Calm();
+  s.mapping_idle = false;
+  s.inliers = 24;
+  EXPECT_TRUE(WantsKeyframe(s, {}));
+}
+
+TEST(KeyframePolicy, FewClosePointsTrackedWhereMoreCouldBe) {
+  KeyframeSituation s = Calm();
+  s.mapping_idle = false;
+  s.close_tracked = 99;
+  s.close_untracked = 71;
+  EXPECT_TRUE(WantsKeyframe(s, {}));
+  s.close_untracked = 70;
+  EXPECT_FALSE(WantsKeyframe(s, {}));
+}
+
+TEST(KeyframePolicy, TooFewInliersAreNeverAKeyframe) {
+  KeyframeSituation s = Calm();
+  s.inliers = 15;
+  s.segmenter_idle = true;
+  EXPECT_FALSE(WantsKeyframe(s, {}));
+  s.inliers = 16;
+  EXPECT_TRUE(WantsKeyframe(s, {}));
+}
+
+TEST(KeyframePolicy, AnIdleSegmenterGetsAKeyframe) {
+  KeyframePolicyOptions options;
+  KeyframeSituation s = Calm();
+  s.segmenter_idle = true;
+  EXPECT_TRUE(WantsKeyframe(s, options));
+  s.frames_since_keyframe = options.semantic_frames - 1;
+  EXPECT_FALSE(WantsKeyframe(s, options));
+  s.frames_since_keyframe = 5;
+  options.semantic_frames = 0;
+  EXPECT_FALSE(WantsKeyframe(s, options));
+}
+
+TEST(KeyframePolicy, ThePapersRuleNeedsAllItsConditions) {
+  KeyframePolicyOptions options;
+  options.rule = KeyframeRule::kPaper;
+  KeyframeSituation s = Calm();
+  s.frames_since_keyframe = 20;
+  s.inliers = 89;
+  EXPECT_TRUE(WantsKeyframe(s, options));
+  for (const auto& spoil :
+       {+[](KeyframeSituation& k) { k.frames_since_keyframe = 19; },
+        +[](KeyframeSituation& k) { k.frames_since_regained = 19; },
+        +[](KeyframeSituation& k) { k.mapping_idle = false; }, +[](KeyframeSituation& k) { k.inliers = 49; },
+        +[](KeyframeSituation& k) { k.inliers = 90; }}) {
+    KeyframeSituation spoilt = s;
+    spoil(spoilt);
+    EXPECT_FALSE(WantsKeyframe(spoilt, options));
+  }
+}
+
+}  // namespace
+}  // namespace rds
