@@ -20,7 +20,7 @@ mark_as_advanced(RDS_OPENVINO_ROOT)
 set(RDS_WITH_OPENVINO OFF)
 if(RDS_OPENVINO STREQUAL "ON" OR (RDS_OPENVINO STREQUAL "AUTO" AND NOT RDS_SANITIZE))
   if(EXISTS ${RDS_OPENVINO_ROOT}/openvino/cmake/OpenVINOConfig.cmake)
-    set(TBB_DIR ${RDS_OPENVINO_ROOT}/openvino/cmake)  # its own; Ceres then takes the same
+    set(TBB_DIR ${RDS_OPENVINO_ROOT}/openvino/cmake)  # its own
     find_package(OpenVINO CONFIG QUIET COMPONENTS Runtime
       PATHS ${RDS_OPENVINO_ROOT}/openvino/cmake NO_DEFAULT_PATH)
   endif()
@@ -30,6 +30,10 @@ if(RDS_OPENVINO STREQUAL "ON" OR (RDS_OPENVINO STREQUAL "AUTO" AND NOT RDS_SANIT
   if(OpenVINO_FOUND)
     set(RDS_WITH_OPENVINO ON)
     message(STATUS "OpenVINO ${OpenVINO_VERSION}: ${OpenVINO_DIR}")
+    if(EXISTS ${RDS_OPENVINO_ROOT}/openvino/libs)
+      # CMake leaves folders inside the project out of the run path of installed programs unless they are named.
+      set(CMAKE_INSTALL_RPATH ${RDS_OPENVINO_ROOT}/openvino/libs)
+    endif()
   elseif(RDS_OPENVINO STREQUAL "ON")
     message(FATAL_ERROR "OpenVINO not found; run scripts/install_openvino.sh or set OpenVINO_DIR")
   else()

@@ -20,8 +20,7 @@ class InvariantError : public std::logic_error {
 };
 
 // Throws InvariantError naming the caller's file and line if `condition` is false.
-inline void Check(bool condition, const char* what,
-                  std::source_location where = std::source_location::current()) {
+inline void Check(bool condition, const char* what, std::source_location where = std::source_location::current()) {
   if (condition) [[likely]] {
     return;
   }

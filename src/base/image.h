@@ -22,8 +22,7 @@ struct Image {
       : width(width_),
         height(height_),
         channels(channels_),
-        data(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_) *
-                 static_cast<std::size_t>(channels_),
+        data(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_) * static_cast<std::size_t>(channels_),
              fill) {}
 
   // Copies from memory that the caller owns; `stride` is the distance of two rows in bytes.
@@ -31,8 +30,8 @@ struct Image {
     Image image(width, height, channels);
     const std::size_t row = static_cast<std::size_t>(width) * static_cast<std::size_t>(channels);
     for (int y = 0; y < height; ++y) {
-      const auto* from = reinterpret_cast<const T*>(reinterpret_cast<const std::byte*>(source) +
-                                                    static_cast<std::size_t>(y) * stride);
+      const auto* from =
+          reinterpret_cast<const T*>(reinterpret_cast<const std::byte*>(source) + static_cast<std::size_t>(y) * stride);
       std::copy(from, from + row, image.Row(y));
     }
     return image;

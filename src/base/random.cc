@@ -16,9 +16,7 @@ double Random::Uniform(double low, double high) {
   return low + (high - low) * (static_cast<double>(Bits() >> 11) * 0x1.0p-53);
 }
 
-std::uint32_t Random::Index(std::uint32_t bound) {
-  return static_cast<std::uint32_t>(((Bits() >> 32) * bound) >> 32);
-}
+std::uint32_t Random::Index(std::uint32_t bound) { return static_cast<std::uint32_t>(((Bits() >> 32) * bound) >> 32); }
 
 double Random::Gaussian(double mean, double sigma) {
   const double u = 1.0 - Uniform(0.0, 1.0);  // (0, 1], so that the logarithm is finite

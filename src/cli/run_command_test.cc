@@ -10,6 +10,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "base/error.h"
+#include "base/log.h"
 #include "cli/command.h"
 #include "io/dataset.h"
 #include "io/options_yaml.h"
@@ -30,6 +31,9 @@ constexpr int kFrames = 40;
 class RunCommandTest : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
+    if (spdlog::get("rds") == nullptr) {
+      log::SetUp(false);  // as main does: messages go to standard error, results to standard output
+    }
     folder_ = std::make_unique<TemporaryFolder>();
     sequence_ = folder_->path() / "sequence";
     SyntheticOptions options;
@@ -176,7 +180,8 @@ TEST_F(RunCommandTest, ErrorsComeBeforeTheWork) {
   EXPECT_THAT(ErrorOf({"run", "/nowhere", "--out", out_.string()}), HasSubstr("/nowhere"));
   EXPECT_THAT(ErrorOf({"run", sequence_.string(), "--out", "/proc/nowhere", "--segmenter", "none"}),
               HasSubstr("/proc/nowhere"));
-  EXPECT_THAT(ErrorOf(RunWords({"--segmenter", "storred"})), HasSubstr("stored"));
+  EXPECT_THAT(ErrorOf({"run", sequence_.string(), "--out", out_.string(), "--segmenter", "storred"}),
+              HasSubstr("stored"));
 }
 
 TEST_F(RunCommandTest, BenchPrintsTheRatio) {

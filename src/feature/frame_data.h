@@ -24,13 +24,13 @@ inline int HammingDistance(const Descriptor& a, const Descriptor& b) {
 
 // One ORB keypoint.
 struct Keypoint {
-  float x = 0;            // undistorted pixel
+  float x = 0;  // undistorted pixel
   float y = 0;
-  float raw_x = 0;        // pixel in the image as recorded (for masks and drawing); equal to x, y without distortion
+  float raw_x = 0;  // pixel in the image as recorded (for masks and drawing); equal to x, y without distortion
   float raw_y = 0;
-  float depth_m = 0;      // 0 = no depth
-  float right_x = -1;     // x in the virtual right camera: x - bf / depth_m; -1 = no depth
-  float angle_deg = 0;    // orientation, [0, 360)
+  float depth_m = 0;        // 0 = no depth
+  float right_x = -1;       // x in the virtual right camera: x - bf / depth_m; -1 = no depth
+  float angle_deg = 0;      // orientation, [0, 360)
   std::uint8_t octave = 0;  // pyramid level, 0 = finest
 
   [[nodiscard]] bool HasDepth() const { return depth_m > 0; }
@@ -44,8 +44,8 @@ struct ScalePyramid {
   int levels;
   double factor;
   double log_factor;
-  std::vector<float> scale;             // factor^i
-  std::vector<double> inverse_sigma2;   // 1 / scale^2
+  std::vector<float> scale;            // factor^i
+  std::vector<double> inverse_sigma2;  // 1 / scale^2
 
   // Level at which a point whose scale-invariance range ends at max_distance_m is expected from `distance_m`; clamped.
   [[nodiscard]] int PredictLevel(double max_distance_m, double distance_m) const;

@@ -7,7 +7,8 @@
 namespace rds {
 
 // Intrinsics of a registered RGB-D camera. Camera frame: x right, y down, z forward; pixel (0, 0) is the centre of the
-// top left pixel. Distortion is Brown-Conrady (k1, k2, p1, p2, k3), as in OpenCV. A value: safe to copy between threads.
+// top left pixel. Distortion is Brown-Conrady (k1, k2, p1, p2, k3), as in OpenCV. A value: safe to copy between
+// threads.
 struct PinholeCamera {
   int width = 640;
   int height = 480;

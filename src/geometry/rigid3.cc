@@ -51,8 +51,6 @@ Rigid3 Perturb(const Eigen::Matrix<double, 6, 1>& delta, const Rigid3& pose) {
   return {(ExpSo3(delta.tail<3>()) * pose.rotation).normalized(), pose.translation + delta.head<3>()};
 }
 
-double AngleOf(const Eigen::Quaterniond& q) {
-  return 2.0 * std::atan2(q.vec().norm(), std::abs(q.w()));
-}
+double AngleOf(const Eigen::Quaterniond& q) { return 2.0 * std::atan2(q.vec().norm(), std::abs(q.w())); }
 
 }  // namespace rds

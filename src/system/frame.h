@@ -14,9 +14,9 @@ namespace rds {
 
 // One registered RGB-D frame. Images are shared, never copied or changed.
 struct RgbdFrame {
-  double timestamp_s = 0;               // strictly increasing from frame to frame
-  std::shared_ptr<const Image8> image;  // BGR or grey, 8 bit
-  std::shared_ptr<const Image16> depth; // of the same size; units of PinholeCamera::depth_scale
+  double timestamp_s = 0;                // strictly increasing from frame to frame
+  std::shared_ptr<const Image8> image;   // BGR or grey, 8 bit
+  std::shared_ptr<const Image16> depth;  // of the same size; units of PinholeCamera::depth_scale
 };
 
 enum class TrackingState : std::uint8_t { kNotInitialized, kTracked, kLost };
@@ -52,9 +52,9 @@ struct FrameResult {
   TrackingState state = TrackingState::kNotInitialized;
   std::optional<Rigid3> world_from_camera;  // present if and only if tracked
   bool is_keyframe = false;
-  int static_matches = 0;    // used for the pose
-  int unknown_matches = 0;   // used for the pose
-  int rejected_matches = 0;  // dynamic, or outliers of the pose optimisation
+  int static_matches = 0;                    // used for the pose
+  int unknown_matches = 0;                   // used for the pose
+  int rejected_matches = 0;                  // dynamic, or outliers of the pose optimisation
   std::optional<int> semantic_delay_frames;  // d of the paper's equation 1; absent before the first label
   int keyframes_in_map = 0;
   int points_in_map = 0;
