@@ -39,6 +39,7 @@ show_files() {
   local folder=$1
   say "  trajectory  $folder/trajectory.txt"
   say "  report      $folder/report.json"
+  say "  picture     $folder/trajectory.svg"
 }
 
 synthetic_demo() {
@@ -52,14 +53,15 @@ synthetic_demo() {
   say "" "SLAM without semantics"
   "$RDS" run "$sequence" --out "$without" --segmenter none
   say "" "SLAM with semantics (masks from the sequence, 200 ms late)"
-  "$RDS" run "$sequence" --out "$with" --segmenter stored --set semantic.stored.delay_ms=200 --video "$with/video.mp4"
+  "$RDS" run "$sequence" --out "$with" --segmenter stored --set semantic.stored.delay_ms=200 \
+    --video "$with/video.mp4" --still "$with/last_frame.png"
   say ""
   compare "$without" "$with"
   say "" "Without semantics:"
   show_files "$without"
   say "With semantics:"
   show_files "$with"
-  say "  video       $with/video.mp4"
+  say "  video       $with/video.mp4, its last picture $with/last_frame.png"
 }
 
 own_sequence() {
