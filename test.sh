@@ -12,6 +12,10 @@ set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/scripts/common.sh"
 cd "$ROOT"
 RESULTS=$ROOT/build/test-results
+export TSAN_OPTIONS="halt_on_error=1 second_deadlock_stack=1 suppressions=$ROOT/tests/tsan.supp"
+export ASAN_OPTIONS="detect_leaks=1 strict_string_checks=1 detect_stack_use_after_return=1"
+export LSAN_OPTIONS="suppressions=$ROOT/tests/lsan.supp print_suppressions=0"
+export UBSAN_OPTIONS="print_stacktrace=1 halt_on_error=1"
 
 # record SUITE NAME passed|failed|skipped [REASON]: the result of a check that is not run by ctest.
 record() {

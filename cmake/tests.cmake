@@ -2,12 +2,8 @@
 # (label repository).
 include(GoogleTest)
 
-set(RDS_TEST_ENVIRONMENT
-  "RDS_EVO_PYTHON=${PROJECT_SOURCE_DIR}/build/venv/bin/python"
-  "TSAN_OPTIONS=halt_on_error=1 second_deadlock_stack=1 suppressions=${PROJECT_SOURCE_DIR}/tests/tsan.supp"
-  "ASAN_OPTIONS=detect_leaks=1 strict_string_checks=1 detect_stack_use_after_return=1"
-  "LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/lsan.supp print_suppressions=0"
-  "UBSAN_OPTIONS=print_stacktrace=1 halt_on_error=1")
+# One variable only: gtest_discover_tests takes a list apart. The sanitizers' options come from test.sh.
+set(RDS_TEST_ENVIRONMENT "RDS_EVO_PYTHON=${PROJECT_SOURCE_DIR}/build/venv/bin/python")
 
 add_custom_target(rds_thread_tests)  # what is worth running under ThreadSanitizer
 set(pch_owner "")

@@ -43,9 +43,12 @@ const std::vector<SyntheticFrame>& Frames(SyntheticScenario scenario) {
     }
     return frames;
   };
-  static const std::vector<SyntheticFrame> still = render(SyntheticScenario::kStatic);
+  if (scenario == SyntheticScenario::kStatic) {
+    static const std::vector<SyntheticFrame> still = render(SyntheticScenario::kStatic);
+    return still;
+  }
   static const std::vector<SyntheticFrame> walking = render(SyntheticScenario::kWalking);
-  return scenario == SyntheticScenario::kStatic ? still : walking;
+  return walking;
 }
 
 // Masks of the world itself, as a back end that makes no mistakes.
@@ -176,7 +179,10 @@ TEST_P(SlamWithFailingSegmenter, GoesOnAndEndsInTime) {
              std::make_unique<FaultySegmenter>(GetParam().name, GetParam().delay, GetParam().answer));
   EXPECT_EQ(result.tracked_frames, kFrames);
   EXPECT_LT(AteRmse(result, frames), 0.03);
-  EXPECT_TRUE(result.labels.empty());
+  // A slow answer may come in time where the run itself is slower still, under a sanitizer say.
+  const bool in_time = GetParam().delay && *GetParam().delay > std::chrono::milliseconds(0) &&
+                       watch.Seconds() > std::chrono::duration<double>(*GetParam().delay).count();
+  EXPECT_TRUE(result.labels.empty() || in_time);
   EXPECT_EQ(result.segmentation_failures > 0, GetParam().counted);
   EXPECT_LT(watch.Seconds(), 60);
 }
