@@ -46,8 +46,11 @@ std::span<const AblationVariant> AblationVariants() {
       AblationVariant{
           "no optimisation", "no semantic-based optimisation of keyframes", {"semantic.optimisation=false"}},
       AblationVariant{"no weights",
-                      "local bundle adjustment without the weights 1 - p, over all keyframes",
-                      {"mapping.ba_weighted=false", "mapping.ba_labelled_only=false"}},
+                      "local bundle adjustment without the weights 1 - p, dynamic points included",
+                      {"mapping.ba_weighted=false"}},
+      AblationVariant{"labelled bundle",
+                      "only labelled keyframes take part in local bundle adjustment, as the paper has it",
+                      {"mapping.ba_labelled_only=true"}},
       AblationVariant{"sequential", "keyframes are labelled in their order", {"semantic.selection=sequential"}},
       AblationVariant{"newest", "only the newest keyframes are labelled", {"semantic.selection=newest"}},
       AblationVariant{"one by one", "keyframes are segmented one by one, not in one request", {"semantic.batch=false"}},

@@ -5,6 +5,7 @@
 
 #include <set>
 
+#include "io/options_yaml.h"
 #include "system/options.h"
 
 namespace rds {
@@ -32,6 +33,16 @@ TEST(Ablation, VariantsCanBeSet) {
     EXPECT_NO_THROW(ValidateOptions(options)) << variant.name;
   }
   EXPECT_TRUE(AblationVariants().front().overrides.empty()) << "the first is the base";
+}
+
+TEST(Ablation, EveryOverrideDiffersFromTheDefault) {
+  for (const AblationVariant& variant : AblationVariants()) {
+    for (const std::string& assignment : variant.overrides) {
+      Options changed;
+      SetOption(changed, assignment);
+      EXPECT_NE(OptionsYaml(changed), OptionsYaml(Options{})) << assignment;
+    }
+  }
 }
 
 TEST(Ablation, TextLinesUp) {

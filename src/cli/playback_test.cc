@@ -125,7 +125,7 @@ TEST_F(PlaybackTest, KeepsToTheRecordedTimes) {
 
 TEST_F(PlaybackTest, CountsLateness) {
   const PlaybackResult result = PlayAll(1000);
-  EXPECT_EQ(result.frames.size(), static_cast<std::size_t>(kFrames)) << "late frames are processed all the same";
+  ASSERT_EQ(result.frames.size(), static_cast<std::size_t>(kFrames)) << "late frames are processed all the same";
   EXPECT_GT(result.lateness_ms.back(), 0);
 }
 
