@@ -53,7 +53,6 @@ std::span<const AblationVariant> AblationVariants() {
                       {"mapping.ba_labelled_only=true"}},
       AblationVariant{"sequential", "keyframes are labelled in their order", {"semantic.selection=sequential"}},
       AblationVariant{"newest", "only the newest keyframes are labelled", {"semantic.selection=newest"}},
-      AblationVariant{"one by one", "keyframes are segmented one by one, not in one request", {"semantic.batch=false"}},
       AblationVariant{"no semantics", "no segmentation at all", {}, false},
   };
   return variants;
