@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "base/error.h"
@@ -17,6 +18,21 @@
 namespace rds {
 namespace {
 
+constexpr const char* kFooter =
+    "A furnished room, people in it, a hand-held camera; written in TUM layout: rgb/ depth/ mask/ with their lists,\n"
+    "associations.txt, groundtruth.txt and camera.yaml. Same arguments, same bytes.\n"
+    "\n"
+    "Scenarios: static (nobody), walking (to and fro before the camera), sitting (on chairs, fidgeting), crowd "
+    "(both),\n"
+    "crossing (close to the camera).\n"
+    "Paths: orbit (once round the table in 34 s), loop (looks outwards, a round in 15 s), xyz, rpy, halfsphere, "
+    "static.\n"
+    "\n"
+    "Examples:\n"
+    "  rds synth --out room                                          people walking, 10 s\n"
+    "  rds synth --out exact --scenario static --noise off           a test of the tracker alone\n"
+    "  rds synth --out hall --scenario crowd --path halfsphere --frames 900 --seed 7\n";
+
 struct SynthArguments {
   std::string out;
   std::string scenario = "walking";
@@ -24,8 +40,8 @@ struct SynthArguments {
   std::string noise = "on";
   int frames = 300;
   int width = 640;
-  int height = 0;  // three quarters of the width
-  int movers = -1;
+  std::optional<int> height;  // otherwise three quarters of the width
+  std::optional<int> movers;  // otherwise as the scenario has it
   std::uint64_t seed = 1;
 };
 
@@ -48,17 +64,16 @@ SyntheticOptions OptionsFrom(const SynthArguments& arguments) {
   if (arguments.noise != "on" && arguments.noise != "off") {
     throw InputError("--noise: '" + arguments.noise + "' is neither on nor off");
   }
-  if (arguments.movers < -1) {
-    throw InputError(fmt::format("--movers: {} is out of range (0 to {})", arguments.movers, kMaxSyntheticMovers));
+  if (arguments.movers && *arguments.movers < 0) {
+    throw InputError(fmt::format("--movers: {} is out of range (0 to {})", *arguments.movers, kMaxSyntheticMovers));
   }
   options.scenario = ParseSyntheticScenario(arguments.scenario);
   options.path = ParseSyntheticPath(arguments.path);
-  options.camera =
-      MakeSyntheticCamera(arguments.width, arguments.height > 0 ? arguments.height : arguments.width * 3 / 4);
+  options.camera = MakeSyntheticCamera(arguments.width, arguments.height.value_or(arguments.width * 3 / 4));
   options.frames = arguments.frames;
   options.seed = arguments.seed;
   options.noise = arguments.noise == "on";
-  options.movers = arguments.movers;
+  options.movers = arguments.movers.value_or(-1);
   Validate(options);
   return options;
 }
@@ -102,35 +117,45 @@ void RunSynth(const SynthArguments& arguments) {
   const std::string folder = (std::filesystem::path(arguments.out) / "").parent_path().string();
   fmt::print("{} frames at {} Hz with ground truth and masks: {}\n", options.frames, kSyntheticFrameRateHz, folder);
   fmt::print("camera: {}/camera.yaml\n", folder);
-  fmt::print("next:   rds run {} --camera {} --out {}\n", Quoted(folder), Quoted(folder + "/camera.yaml"),
-             Quoted(folder + "_run"));
+  // With people in it, the masks that lie in the folder stand in for a segmentation network.
+  fmt::print("next:   rds run {} --camera {} --segmenter {} --out {}\n", Quoted(folder),
+             Quoted(folder + "/camera.yaml"), ResolveMovers(options) > 0 ? "stored" : "none", Quoted(folder + "_run"));
 }
 
 }  // namespace
 
 void AddSynthCommand(CLI::App& app) {
   auto arguments = std::make_shared<SynthArguments>();
-  CLI::App* command = app.add_subcommand(
-      "synth",
-      "Write a synthetic dynamic RGB-D sequence: a furnished room, people in it, a hand-held camera; TUM layout with\n"
-      "exact ground truth and masks of the people. Same arguments, same bytes.");
-  command->add_option("--out", arguments->out, "Folder to write to; made if it is not there")->required();
-  command->add_option("--scenario", arguments->scenario, "Who is in the room: " + Joined(SyntheticScenarioNames()))
-      ->capture_default_str();
-  command->add_option("--path", arguments->path, "How the camera moves: " + Joined(SyntheticPathNames()))
-      ->capture_default_str();
-  command->add_option("--frames", arguments->frames, "Number of frames, at 30 Hz")->capture_default_str();
-  command->add_option("--seed", arguments->seed, "Room, people, tremor of the hand and noise follow from it")
-      ->capture_default_str();
+  CLI::App* command =
+      app.add_subcommand("synth", "Write a synthetic dynamic RGB-D sequence with exact ground truth and masks");
+  command->add_option("--out", arguments->out, "Folder to write to; made if it is not there")
+      ->type_name("DIR")
+      ->required();
   command
-      ->add_option("--noise", arguments->noise,
-                   "on: noise of a structured-light sensor (depth in steps, holes at edges, none beyond 4.5 m);\n"
-                   "off: exact colour and depth")
-      ->capture_default_str();
-  command->add_option("--movers", arguments->movers,
-                      fmt::format("Number of people, 0 to {}; otherwise as the scenario has it", kMaxSyntheticMovers));
-  command->add_option("--width", arguments->width, "Image width, pixels")->capture_default_str();
-  command->add_option("--height", arguments->height, "Image height, pixels; otherwise three quarters of the width");
+      ->add_option("--scenario", arguments->scenario,
+                   "Who is in the room: " + Joined(SyntheticScenarioNames()) + "; default walking")
+      ->type_name("NAME");
+  command
+      ->add_option("--path", arguments->path,
+                   "How the camera moves: " + Joined(SyntheticPathNames()) + "; default orbit")
+      ->type_name("NAME");
+  command->add_option("--frames", arguments->frames, "Number of frames, at 30 Hz; default 300")->type_name("N");
+  command->add_option("--seed", arguments->seed, "Room, people, tremor of the hand and noise follow from it; default 1")
+      ->type_name("S");
+  command
+      ->add_option(
+          "--noise", arguments->noise,
+          "on: colour and depth of a structured-light sensor (depth in steps, none at edges and beyond 4.5 m); "
+          "off: exact; default on")
+      ->type_name("on|off");
+  command
+      ->add_option("--movers", arguments->movers,
+                   fmt::format("Number of people, 0 to {}; default: as the scenario has it", kMaxSyntheticMovers))
+      ->type_name("N");
+  command->add_option("--width", arguments->width, "Image width; default 640")->type_name("PIXELS");
+  command->add_option("--height", arguments->height, "Image height; default: three quarters of the width")
+      ->type_name("PIXELS");
+  command->footer(kFooter);
   command->callback([arguments] { RunSynth(*arguments); });
 }
 
