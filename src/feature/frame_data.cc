@@ -24,8 +24,12 @@ int ScalePyramid::PredictLevel(double max_distance_m, double distance_m) const {
   return std::clamp(level, 0, levels - 1);
 }
 
-FrameData::FrameData(const PinholeCamera& camera, std::vector<Keypoint> keypoints, std::vector<Descriptor> descriptors)
-    : camera_(camera), keypoints_(std::move(keypoints)), descriptors_(std::move(descriptors)) {
+FrameData::FrameData(const PinholeCamera& camera, std::vector<Keypoint> keypoints, std::vector<Descriptor> descriptors,
+                     DepthGrid depth_grid)
+    : camera_(camera),
+      keypoints_(std::move(keypoints)),
+      descriptors_(std::move(descriptors)),
+      depth_grid_(std::move(depth_grid)) {
   Check(keypoints_.size() == descriptors_.size(), "a descriptor for each keypoint");
   Check(keypoints_.size() < std::numeric_limits<std::uint16_t>::max(), "fewer than 65535 keypoints");
   max_x_ = static_cast<float>(camera.width);

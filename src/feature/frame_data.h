@@ -51,6 +51,15 @@ struct ScalePyramid {
   [[nodiscard]] int PredictLevel(double max_distance_m, double distance_m) const;
 };
 
+// Depth of every kDepthGridStep-th pixel of the recorded image, row by row: sample (i, j) lies at the middle of its
+// kDepthGridStep x kDepthGridStep block.
+inline constexpr int kDepthGridStep = 8;
+struct DepthGrid {
+  int columns = 0;
+  int rows = 0;
+  std::vector<float> depth_m;  // 0 = no depth
+};
+
 // Immutable features of one frame: keypoints, descriptors and a grid over the image for window searches.
 // Built once, then only read: safe to share between threads by shared_ptr<const FrameData>.
 class FrameData {
@@ -60,12 +69,14 @@ class FrameData {
 
   // Takes keypoints (undistorted coordinates set) and their descriptors, one for one (else InvariantError). The bounds
   // of the grid are the undistorted image's.
-  FrameData(const PinholeCamera& camera, std::vector<Keypoint> keypoints, std::vector<Descriptor> descriptors);
+  FrameData(const PinholeCamera& camera, std::vector<Keypoint> keypoints, std::vector<Descriptor> descriptors,
+            DepthGrid depth_grid = {});
 
   [[nodiscard]] const PinholeCamera& camera() const { return camera_; }
   [[nodiscard]] std::span<const Keypoint> keypoints() const { return keypoints_; }
   [[nodiscard]] std::span<const Descriptor> descriptors() const { return descriptors_; }
   [[nodiscard]] std::size_t size() const { return keypoints_.size(); }
+  [[nodiscard]] const DepthGrid& depth_grid() const { return depth_grid_; }  // empty if there is none
 
   // Whether an undistorted pixel lies in the undistorted image.
   [[nodiscard]] bool IsInImage(float x, float y) const {
@@ -84,6 +95,7 @@ class FrameData {
   PinholeCamera camera_;
   std::vector<Keypoint> keypoints_;
   std::vector<Descriptor> descriptors_;
+  DepthGrid depth_grid_;
   float min_x_ = 0;
   float max_x_ = 0;
   float min_y_ = 0;

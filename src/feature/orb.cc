@@ -37,17 +37,33 @@ std::vector<std::size_t> FeaturesPerLevel(const OrbOptions& options) {
   return wanted;
 }
 
+bool IsDepth(std::uint16_t raw) { return raw != 0 && raw != std::numeric_limits<std::uint16_t>::max(); }
+
 void LookUpDepth(const PinholeCamera& camera, const Image16& depth, std::vector<Keypoint>& keypoints) {
   const auto bf = static_cast<float>(camera.Bf());
   const auto metres_per_unit = static_cast<float>(1 / camera.depth_scale);
   for (Keypoint& keypoint : keypoints) {
     const std::uint16_t raw =
         depth.At(static_cast<int>(std::lround(keypoint.raw_x)), static_cast<int>(std::lround(keypoint.raw_y)));
-    if (raw != 0 && raw != std::numeric_limits<std::uint16_t>::max()) {
+    if (IsDepth(raw)) {
       keypoint.depth_m = static_cast<float>(raw) * metres_per_unit;
       keypoint.right_x = keypoint.x - bf / keypoint.depth_m;
     }
   }
+}
+
+DepthGrid SampleDepth(const PinholeCamera& camera, const Image16& depth) {
+  DepthGrid grid{depth.width / kDepthGridStep, depth.height / kDepthGridStep, {}};
+  grid.depth_m.reserve(static_cast<std::size_t>(grid.columns * grid.rows));
+  const auto metres_per_unit = static_cast<float>(1 / camera.depth_scale);
+  for (int row = 0; row < grid.rows; ++row) {
+    const std::uint16_t* pixels = depth.Row(row * kDepthGridStep + kDepthGridStep / 2) + kDepthGridStep / 2;
+    for (int column = 0; column < grid.columns; ++column) {
+      const std::uint16_t raw = pixels[column * kDepthGridStep];
+      grid.depth_m.push_back(IsDepth(raw) ? static_cast<float>(raw) * metres_per_unit : 0.0F);
+    }
+  }
+  return grid;
 }
 
 void Undistort(const PinholeCamera& camera, std::vector<Keypoint>& keypoints) {
@@ -162,7 +178,7 @@ FrameData OrbExtractor::Extract(const PinholeCamera& camera, const Image8& image
   }
   Undistort(camera, keypoints);
   LookUpDepth(camera, depth, keypoints);
-  return {camera, std::move(keypoints), std::move(descriptors)};
+  return {camera, std::move(keypoints), std::move(descriptors), SampleDepth(camera, depth)};
 }
 
 }  // namespace rds

@@ -49,7 +49,13 @@ cv::Mat Textured(int width, int height, std::uint64_t seed) {
 
 Image8 ToImage(const cv::Mat& mat) { return Image8::Copy(mat.data, mat.cols, mat.rows, mat.channels(), mat.step); }
 
-FrameData ExtractFrom(const cv::Mat& mat, const OrbOptions& options = {}) {
+OrbOptions Thousand() {
+  OrbOptions options;
+  options.features = 1000;
+  return options;
+}
+
+FrameData ExtractFrom(const cv::Mat& mat, const OrbOptions& options = Thousand()) {
   OrbExtractor extractor(options);
   return extractor.Extract(CameraOf(mat.cols, mat.rows), ToImage(mat), Image16(mat.cols, mat.rows));
 }

@@ -24,7 +24,7 @@ struct BacklogItem {
   double timestamp_s = 0;
   std::shared_ptr<const Image8> image;
   std::shared_ptr<const FrameData> data;
-  std::vector<PointId> tracks;  // image-space track of each keypoint; empty = none
+  std::vector<PointId> tracks;  // image-space track of each keypoint, invalid where there is none; may be empty
   bool from_front = false;      // set by Select: goes on to the semantic-based optimisation
 };
 

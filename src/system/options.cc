@@ -50,10 +50,14 @@ void BindTracking(TrackerOptions& options, OptionTable& table) {
 void BindTracks(FeatureTrackOptions& options, OptionTable& table) {
   table.Flag("tracks.enabled", options.enabled, "follow keypoints through the images and let labels follow them");
   table.Real("tracks.window_px", options.window_px, 1, 200, "search window of a track, pixels");
-  table.Real("tracks.vote_window_px", options.vote_window_px, 0, 200,
-             "neighbourhood in which dynamic tracks speak for keypoints without a label, pixels");
-  table.Real("tracks.vote_depth", options.vote_depth, 0, 1, "difference in depth of such neighbours, as a share");
-  table.Int("tracks.votes", options.votes, 1, 100, "neighbours on dynamic tracks that are enough");
+  table.Int("tracks.spacing_px", options.spacing_px, 1, 1000,
+            "a new track starts where none is in a square of this size, pixels");
+  table.Int("tracks.frame_cost_px", options.frame_cost_px, 0, SurfaceLabels::kMostReach,
+            "a label handed on to the next frame is as if so much farther away, pixels");
+  table.Int("tracks.reach_px", options.surface.reach_px, 1, SurfaceLabels::kMostReach - 1,
+            "how far a label spreads over a surface, pixels");
+  table.Real("tracks.step_depth", options.surface.step_depth, 0, 1,
+             "neighbouring samples on a surface differ in depth by at most this share");
 }
 
 void BindPolicy(KeyframePolicyOptions& options, OptionTable& table) {
@@ -180,7 +184,7 @@ OptionTable BindOptions(Options& options) {
   BindOrb(options.orb, table);
   BindPose(options.pose, table);
   BindTracking(options.tracking, table);
-  BindTracks(options.tracking.tracks, table);
+  BindTracks(options.tracks, table);
   BindPolicy(options.tracking.policy, table);
   BindMapping(options.mapping, options.local_map, table);
   BindSemantic(options.semantic, table);

@@ -15,6 +15,7 @@
 #include "semantic/segmenter_factory.h"
 #include "semantic/semantic_optimizer.h"
 #include "system/option_table.h"
+#include "tracking/feature_tracks.h"
 #include "tracking/tracker.h"
 
 namespace rds {
@@ -45,6 +46,7 @@ struct Options {
   OrbOptions orb;
   PoseOptimizerOptions pose;
   TrackerOptions tracking;
+  FeatureTrackOptions tracks;
   LocalMapOptions local_map;
   MappingOptions mapping;
   SemanticOptions semantic;

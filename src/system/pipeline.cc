@@ -111,7 +111,9 @@ void Pipeline::ApplyRound(const LabelledRound& round) {
     Stopwatch watch;
     std::vector<KeypointLabel> labels = LabelKeypoints(*item.data, round.masks[i]);
     for (std::size_t k = 0; k < item.tracks.size(); ++k) {
-      track_labels_.Observe(item.tracks[k], labels[k] == KeypointLabel::kDynamic, options_.semantic.probability);
+      if (item.tracks[k].valid()) {
+        track_labels_.Observe(item.tracks[k], labels[k] == KeypointLabel::kDynamic, options_.semantic.probability);
+      }
     }
     world_.Write([&](World& world) {
       if (const Keyframe* keyframe = FindByFrame(world.map, item.frame)) {

@@ -15,6 +15,7 @@
 #include "runtime/bounded_queue.h"
 #include "runtime/monitor.h"
 #include "runtime/worker.h"
+#include "system/label_follower.h"
 #include "system/pipeline.h"
 #include "tracking/tracker.h"
 
@@ -134,6 +135,7 @@ class Slam::Impl {
   OrbExtractor extractor_;
   std::shared_ptr<Shared> shared_;
   Tracker tracker_;
+  std::optional<LabelFollower> follower_;  // none if nothing asks for labels
   std::vector<TrajectoryEntry> entries_;
   std::uint32_t next_frame_ = 0;
   std::uint32_t processed_ = 0;
@@ -158,8 +160,12 @@ Slam::Impl::Impl(const PinholeCamera& camera, const Options& options, std::share
             tracking.association.use_semantics &= shared_->pipeline.HasSegmenter();
             return tracking;
           }(),
-          options.pose, extractor_.pyramid(), shared_->pipeline.probabilities(), shared_->pipeline.track_labels()) {
+          options.pose, extractor_.pyramid(), shared_->pipeline.probabilities()) {
   ValidateOptions(options);
+  if (shared_->pipeline.HasSegmenter() && options.tracking.association.use_semantics && options.tracks.enabled) {
+    follower_.emplace(options.tracks, options.semantic.probability, shared_->pipeline.track_labels(),
+                      options.system.lockstep);
+  }
   if (!options_.system.lockstep) {
     mapping_ = std::make_unique<Worker>([shared = shared_] { RunMapping(*shared); });
     if (shared_->pipeline.HasSegmenter()) {
@@ -220,8 +226,13 @@ FrameResult Slam::Impl::Process(const RgbdFrame& frame) {
   }
   auto data = std::make_shared<const FrameData>(extractor_.Extract(camera_, *frame.image, *frame.depth));
   result.timing.extraction_ms = watch.Milliseconds();
+  Tracker::LabelSource labels;
+  if (follower_) {
+    follower_->Begin(data);
+    labels = [this] { return follower_->Get(); };
+  }
   const TrackOutcome outcome =
-      tracker_.Track(result.frame, frame.timestamp_s, data, shared_->pipeline.CurrentLocalMap(), Status());
+      tracker_.Track(result.frame, frame.timestamp_s, data, shared_->pipeline.CurrentLocalMap(), Status(), labels);
   if (outcome.tracked) {
     tracked_before_ = true;
     entries_.push_back({frame.timestamp_s, outcome.reference, outcome.camera_from_reference});

@@ -1,6 +1,6 @@
 #include "tracking/feature_tracks.h"
 
-#include <cmath>
+#include <algorithm>
 #include <utility>
 
 #include "feature/matching.h"
@@ -8,73 +8,105 @@
 namespace rds {
 namespace {
 
-constexpr double kVotedDynamic = 0.8;
+// Moving probability of what is dynamic for sure and of what a label just about reaches; static ones mirror them.
+constexpr double kNear = 0.88;
+constexpr double kFar = 0.62;
 
 }  // namespace
 
-void FeatureTracks::Advance(std::shared_ptr<const FrameData> frame, MovingProbabilities& labels) {
+KeypointLabels FeatureTracks::Follow(std::shared_ptr<const FrameData> frame, MovingProbabilities& labels,
+                                     const MovingProbabilityOptions& options) {
+  ContinueTracks(std::move(frame));
+  StartTracks(labels);
+  std::vector<double> probabilities = SpreadLabels(labels, options);
+  return {ids_, std::move(probabilities)};
+}
+
+void FeatureTracks::ContinueTracks(std::shared_ptr<const FrameData> frame) {
   std::vector<PointId> ids(frame->size());
-  std::vector<Flow> flows(frame->size());
+  std::vector<Track> tracks;
   if (frame_ != nullptr) {
     MatchSet set(frame->size());
-    for (std::size_t i = 0; i < frame_->size(); ++i) {
-      const Keypoint& old = frame_->keypoints()[i];
+    for (std::size_t i = 0; i < tracks_.size(); ++i) {
+      const Track& track = tracks_[i];
+      const Keypoint& old = frame_->keypoints()[track.keypoint];
       const Candidate best = FindBest(*frame,
-                                      {old.x + flows_[i].x, old.y + flows_[i].y, -1,
+                                      {old.x + track.flow_x, old.y + track.flow_y, -1,
                                        static_cast<float>(options_.window_px), old.octave - 1, old.octave + 1},
-                                      frame_->descriptors()[i]);
+                                      frame_->descriptors()[track.keypoint]);
       if (best.keypoint >= 0 && best.distance <= kStrictDistance) {
         set.Add({static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(best.keypoint), best.distance});
       }
     }
     for (const Match& match : set.Take()) {
-      const Keypoint& old = frame_->keypoints()[match.query];
+      const Track& track = tracks_[match.query];
+      const Keypoint& old = frame_->keypoints()[track.keypoint];
       const Keypoint& now = frame->keypoints()[match.keypoint];
-      ids[match.keypoint] = ids_[match.query];
-      flows[match.keypoint] = {now.x - old.x, now.y - old.y};
-    }
-  }
-  for (PointId& id : ids) {
-    if (!id.valid()) {
-      id = PointId{next_};
-      next_ = (next_ + 1) % kMostTracks;
-      labels.Set(id, kUnknownProbability);
+      ids[match.keypoint] = ids_[track.keypoint];
+      tracks.push_back({match.keypoint, now.x - old.x, now.y - old.y, track.inherited});
+      if (track.inherited) {
+        tracks.back().inherited->distance_px += options_.frame_cost_px;
+      }
     }
   }
   frame_ = std::move(frame);
   ids_ = std::move(ids);
-  flows_ = std::move(flows);
+  tracks_ = std::move(tracks);
 }
 
-std::vector<double> FeatureTracks::Probabilities(const MovingProbabilities& labels,
-                                                 const MovingProbabilityOptions& options) const {
-  std::vector<double> own;
-  std::vector<PointState> states;
-  own.reserve(ids_.size());
-  for (const PointId id : ids_) {
-    own.push_back(labels.Get(id));
-    states.push_back(StateOf(own.back(), options));
+void FeatureTracks::StartTracks(MovingProbabilities& labels) {
+  const PinholeCamera& camera = frame_->camera();
+  const int columns = camera.width / options_.spacing_px + 1;
+  const int rows = camera.height / options_.spacing_px + 1;
+  occupied_.assign(static_cast<std::size_t>(columns * rows), 0);
+  const auto place_of = [&](const Keypoint& keypoint) -> std::uint8_t& {
+    const int column = std::clamp(static_cast<int>(keypoint.raw_x) / options_.spacing_px, 0, columns - 1);
+    const int row = std::clamp(static_cast<int>(keypoint.raw_y) / options_.spacing_px, 0, rows - 1);
+    return occupied_[static_cast<std::size_t>(row * columns + column)];
+  };
+  for (const Track& track : tracks_) {
+    place_of(frame_->keypoints()[track.keypoint]) = 1;
   }
-  std::vector<double> result = own;
-  for (std::size_t i = 0; i < result.size(); ++i) {
-    const Keypoint& keypoint = frame_->keypoints()[i];
-    if (states[i] != PointState::kUnknown || !keypoint.HasDepth()) {
-      continue;
+  const std::size_t continued = tracks_.size();
+  for (std::size_t i = 0; i < ids_.size(); ++i) {
+    std::uint8_t& place = place_of(frame_->keypoints()[i]);
+    if (place == 0) {
+      place = 1;
+      ids_[i] = PointId{next_};
+      next_ = (next_ + 1) % kMostTracks;
+      labels.Set(ids_[i], kUnknownProbability);
+      tracks_.push_back({static_cast<std::uint32_t>(i), 0, 0, std::nullopt});
     }
-    const float depth_window_m = keypoint.depth_m * static_cast<float>(options_.vote_depth);
-    int dynamic = 0;
-    int still = 0;
-    frame_->ForEachInWindow(keypoint.x, keypoint.y, static_cast<float>(options_.vote_window_px), 0, 255,
-                            [&](std::size_t j) {
-                              const Keypoint& other = frame_->keypoints()[j];
-                              if (other.HasDepth() && std::abs(other.depth_m - keypoint.depth_m) < depth_window_m) {
-                                dynamic += states[j] == PointState::kDynamic ? 1 : 0;
-                                still += states[j] == PointState::kStatic ? 1 : 0;
-                              }
-                            });
-    if (dynamic >= options_.votes && dynamic >= 2 * still) {
-      result[i] = kVotedDynamic;
+  }
+  std::ranges::inplace_merge(tracks_, tracks_.begin() + static_cast<std::ptrdiff_t>(continued), {}, &Track::keypoint);
+}
+
+std::vector<double> FeatureTracks::SpreadLabels(const MovingProbabilities& labels,
+                                                const MovingProbabilityOptions& options) {
+  const std::span<const Keypoint> keypoints = frame_->keypoints();
+  std::vector<double> result(keypoints.size(), kUnknownProbability);
+  surface_.Start(frame_->depth_grid());
+  for (const Track& track : tracks_) {
+    const double own = labels.Get(ids_[track.keypoint]);
+    const PointState state = StateOf(own, options);
+    if (state != PointState::kUnknown) {
+      result[track.keypoint] = own;
+      surface_.Add(keypoints[track.keypoint], {state == PointState::kDynamic, 0});
+    } else if (track.inherited) {
+      surface_.Add(keypoints[track.keypoint], *track.inherited);
     }
+  }
+  surface_.Spread();
+  for (std::size_t i = 0; i < keypoints.size(); ++i) {
+    if (result[i] == kUnknownProbability) {
+      if (const auto label = surface_.At(keypoints[i])) {
+        const double p = kNear + (kFar - kNear) * label->distance_px / options_.surface.reach_px;
+        result[i] = label->dynamic ? p : 1 - p;
+      }
+    }
+  }
+  for (Track& track : tracks_) {
+    track.inherited = surface_.At(keypoints[track.keypoint]);
   }
   return result;
 }

@@ -2,54 +2,67 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "base/ids.h"
 #include "feature/frame_data.h"
 #include "semantic/moving_probability.h"
+#include "tracking/surface_labels.h"
 
 namespace rds {
 
 struct FeatureTrackOptions {
   bool enabled = true;
-  double window_px = 20;       // around where the track is expected
-  double vote_window_px = 30;  // neighbourhood of a keypoint without a label of its own
-  double vote_depth = 0.1;     // neighbours' depth may differ by this share
-  int votes = 2;               // neighbours that must speak for dynamic, and be twice as many as those against
+  double window_px = 20;  // around where the track is expected
+  int spacing_px = 16;    // a new track starts where none is in a square of this size
+  int frame_cost_px = 4;  // an inherited label is as if so much farther away with each frame
+  SurfaceLabelOptions surface;
+};
+
+// What is known of a frame's keypoints before any of them is matched to the map.
+struct KeypointLabels {
+  std::vector<PointId> tracks;        // image-space track of each keypoint; invalid where there is none
+  std::vector<double> probabilities;  // moving probability of each keypoint
 };
 
 // Follows keypoints from frame to frame by appearance alone, whatever moves: a person's features keep their tracks
 // while they walk, which no map point does. A label that arrives late for a keyframe names tracks, and so reaches the
-// same features in the frame of the moment. Not thread-safe; the labels live in a wait-free table.
+// same features in the frame of the moment; from there it spreads over their surface, to features that have come into
+// view since, and is handed on from frame to frame until it is too far from where it came. Not thread-safe; the labels
+// live in a wait-free table.
 class FeatureTracks {
  public:
   // Tracks are numbered round and round below this, so that the table of labels stays small.
   static constexpr std::uint32_t kMostTracks = 1U << 20U;
 
-  explicit FeatureTracks(const FeatureTrackOptions& options) : options_(options) {}
+  explicit FeatureTracks(const FeatureTrackOptions& options) : options_(options), surface_(options.surface) {}
 
-  // Continues tracks into the next frame and starts new ones there, whose entry in `labels` is reset.
-  void Advance(std::shared_ptr<const FrameData> frame, MovingProbabilities& labels);
-
-  // Track of each keypoint of the newest frame.
-  [[nodiscard]] std::span<const PointId> ids() const { return ids_; }
-
-  // Moving probability of each keypoint of the newest frame: its track's label or, without one, high where neighbours
-  // of the same depth are on dynamic tracks; else unknown.
-  [[nodiscard]] std::vector<double> Probabilities(const MovingProbabilities& labels,
-                                                  const MovingProbabilityOptions& options) const;
+  // Continues tracks into the next frame and starts new ones there, whose entry in `labels` is reset. A keypoint has
+  // the probability of its track's label, else of the one that reaches it along its surface, else it is unknown.
+  [[nodiscard]] KeypointLabels Follow(std::shared_ptr<const FrameData> frame, MovingProbabilities& labels,
+                                      const MovingProbabilityOptions& options);
 
  private:
-  struct Flow {
-    float x = 0;  // px a frame
-    float y = 0;
+  struct Track {
+    std::uint32_t keypoint = 0;
+    float flow_x = 0;  // px a frame
+    float flow_y = 0;
+    std::optional<SurfaceLabel> inherited;
   };
 
+  void ContinueTracks(std::shared_ptr<const FrameData> frame);
+  void StartTracks(MovingProbabilities& labels);
+  [[nodiscard]] std::vector<double> SpreadLabels(const MovingProbabilities& labels,
+                                                 const MovingProbabilityOptions& options);
+
   FeatureTrackOptions options_;
+  SurfaceLabels surface_;
   std::shared_ptr<const FrameData> frame_;
   std::vector<PointId> ids_;
-  std::vector<Flow> flows_;
+  std::vector<Track> tracks_;  // ascending by keypoint
+  std::vector<std::uint8_t> occupied_;
   std::uint32_t next_ = 0;
 };
 

@@ -11,16 +11,12 @@
 namespace rds {
 
 Tracker::Tracker(const TrackerOptions& options, const PoseOptimizerOptions& pose, const ScalePyramid& pyramid,
-                 const MovingProbabilities& probabilities, MovingProbabilities& track_labels)
-    : options_(options),
-      pose_options_(pose),
-      pyramid_(pyramid),
-      probabilities_(probabilities),
-      track_labels_(track_labels),
-      tracks_(options.tracks) {}
+                 const MovingProbabilities& probabilities)
+    : options_(options), pose_options_(pose), pyramid_(pyramid), probabilities_(probabilities) {}
 
 TrackOutcome Tracker::Track(FrameId frame, double timestamp_s, std::shared_ptr<const FrameData> data,
-                            std::shared_ptr<const LocalMap> map, const WorkerStatus& status) {
+                            std::shared_ptr<const LocalMap> map, const WorkerStatus& status,
+                            const LabelSource& labels) {
   const bool map_changed = map != map_;
   map_ = std::move(map);
   if (started_) {
@@ -33,16 +29,31 @@ TrackOutcome Tracker::Track(FrameId frame, double timestamp_s, std::shared_ptr<c
   current_.points.assign(current_.data->size(), PointId{});
   association_ = {};
   outliers_.clear();
+  labels_ = {};
+  label_source_ = labels;
   TrackOutcome outcome;
-  if (options_.association.use_semantics && options_.tracks.enabled) {
-    const Stopwatch watch;
-    tracks_.Advance(current_.data, track_labels_);
-    keypoint_probabilities_ = tracks_.Probabilities(track_labels_, options_.association.probability);
-    outcome.matching_ms += watch.Milliseconds();
-  }
   if (map_ == nullptr) {
-    return Start(std::move(outcome));
+    outcome = Start(std::move(outcome));
+  } else {
+    TrackInMap(status, map_changed, &outcome);
   }
+  FetchLabels();
+  return outcome;
+}
+
+void Tracker::FetchLabels() {
+  if (label_source_) {
+    labels_ = label_source_();
+    label_source_ = nullptr;
+  }
+}
+
+Association Tracker::Select(std::span<const PointMatch> matches) {
+  FetchLabels();
+  return SelectMatches(matches, *map_, probabilities_, labels_.probabilities, options_.association);
+}
+
+void Tracker::TrackInMap(const WorkerStatus& status, bool map_changed, TrackOutcome* outcome) {
   if (map_changed) {
     Rebase();
   }
@@ -51,8 +62,8 @@ TrackOutcome Tracker::Track(FrameId frame, double timestamp_s, std::shared_ptr<c
   current_.camera_from_world = last_.camera_from_world;
   current_.reference = last_.reference;
   regaining_ = !last_.tracked;
-  const bool roughly = last_.tracked ? TrackLastFrame(&outcome) || TrackReferenceKeyframe(&outcome) : Regain(&outcome);
-  current_.tracked = roughly && TrackLocalMap(&outcome);
+  const bool roughly = last_.tracked ? TrackLastFrame(outcome) || TrackReferenceKeyframe(outcome) : Regain(outcome);
+  current_.tracked = roughly && TrackLocalMap(outcome);
   if (!current_.tracked) {
     // The last known pose stays the place to search from; the frame itself has none.
     current_.camera_from_world = last_.camera_from_world;
@@ -60,7 +71,7 @@ TrackOutcome Tracker::Track(FrameId frame, double timestamp_s, std::shared_ptr<c
     current_.camera_from_reference = last_.camera_from_reference;
     std::ranges::fill(current_.points, PointId{});
     velocity_.reset();
-    return outcome;
+    return;
   }
   if (regaining_) {
     frames_since_regained_ = 0;
@@ -73,14 +84,13 @@ TrackOutcome Tracker::Track(FrameId frame, double timestamp_s, std::shared_ptr<c
       current_.points[match.keypoint] = map_->ids[match.point];
     }
   }
-  ChooseReference(&outcome);
-  outcome.tracked = true;
-  outcome.camera_from_world = current_.camera_from_world;
-  outcome.wants_keyframe = WantsKeyframe(Situation(status), options_.policy);
-  outcome.used = association_.used;
-  outcome.rejected = association_.dynamic;
-  outcome.rejected.insert(outcome.rejected.end(), outliers_.begin(), outliers_.end());
-  return outcome;
+  ChooseReference(outcome);
+  outcome->tracked = true;
+  outcome->camera_from_world = current_.camera_from_world;
+  outcome->wants_keyframe = WantsKeyframe(Situation(status), options_.policy);
+  outcome->used = association_.used;
+  outcome->rejected = association_.dynamic;
+  outcome->rejected.insert(outcome->rejected.end(), outliers_.begin(), outliers_.end());
 }
 
 TrackOutcome Tracker::Start(TrackOutcome outcome) {
@@ -116,7 +126,7 @@ PoseObservation Tracker::Observe(const PointMatch& match) const {
 
 int Tracker::OptimizeFrom(std::span<const PointMatch> matches, TrackOutcome* outcome) {
   const Stopwatch watch;
-  association_ = SelectMatches(matches, *map_, probabilities_, keypoint_probabilities_, options_.association);
+  association_ = Select(matches);
   OptimizeUsed();
   outcome->pose_ms += watch.Milliseconds();
   return static_cast<int>(association_.used.size());
@@ -197,8 +207,7 @@ bool Tracker::Regain(TrackOutcome* outcome) {
     const LocalKeyframe& keyframe = *nearest[static_cast<std::size_t>(i)].second;
     outliers_.clear();
     std::vector<PointMatch> matches = MatchKeyframe(keyframe, *current_.data, options_.reference_ratio);
-    const Association selected =
-        SelectMatches(matches, *map_, probabilities_, keypoint_probabilities_, options_.association);
+    const Association selected = Select(matches);
     if (std::ssize(selected.used) < options_.min_reference_matches) {
       continue;
     }
@@ -360,7 +369,7 @@ KeyframeSituation Tracker::Situation(const WorkerStatus& status) const {
   return situation;
 }
 
-KeyframeCandidate Tracker::MakeCandidate() const {
+KeyframeCandidate Tracker::MakeCandidate() {
   KeyframeCandidate candidate;
   candidate.frame = current_.id;
   candidate.timestamp_s = current_.timestamp_s;
@@ -371,8 +380,8 @@ KeyframeCandidate Tracker::MakeCandidate() const {
   for (const PointMatch& match : association_.dynamic) {
     candidate.blocked.push_back(match.keypoint);
   }
-  candidate.tracks.assign(tracks_.ids().begin(), tracks_.ids().end());
-  candidate.probabilities = keypoint_probabilities_;
+  candidate.tracks = std::move(labels_.tracks);
+  candidate.probabilities = std::move(labels_.probabilities);
   for (const PointId id : used_ids_) {
     candidate.uses.push_back(uses_[id.index()]);
   }

@@ -1,6 +1,7 @@
 // Tracking: the pose of each frame against an immutable snapshot of the map.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -32,7 +33,6 @@ struct TrackerOptions {
   int regain_keyframes = 10;    // nearest keyframes that are tried
   double close_baselines = 40;  // depth below so many baselines is close
   AssociationOptions association;
-  FeatureTrackOptions tracks;
   KeyframePolicyOptions policy;
 };
 
@@ -60,16 +60,19 @@ struct TrackOutcome {
 // and the wait-free table of probabilities, changes only itself. One instance, one caller.
 class Tracker {
  public:
-  // Both tables must outlive the tracker; `track_labels` is by image-space track.
-  Tracker(const TrackerOptions& options, const PoseOptimizerOptions& pose, const ScalePyramid& pyramid,
-          const MovingProbabilities& probabilities, MovingProbabilities& track_labels);
+  // The labels of a frame's keypoints; called when they are needed first, at most once a frame.
+  using LabelSource = std::function<KeypointLabels()>;
 
-  // Tracks one frame. `map` is null before the first keyframe is in the map.
+  // The table must outlive the tracker.
+  Tracker(const TrackerOptions& options, const PoseOptimizerOptions& pose, const ScalePyramid& pyramid,
+          const MovingProbabilities& probabilities);
+
+  // Tracks one frame. `map` is null before the first keyframe is in the map; `labels` may be null.
   TrackOutcome Track(FrameId frame, double timestamp_s, std::shared_ptr<const FrameData> data,
-                     std::shared_ptr<const LocalMap> map, const WorkerStatus& status);
+                     std::shared_ptr<const LocalMap> map, const WorkerStatus& status, const LabelSource& labels);
 
   // The frame just tracked as a keyframe; to be called at most once, after Track said wants_keyframe.
-  [[nodiscard]] KeyframeCandidate MakeCandidate() const;
+  [[nodiscard]] KeyframeCandidate MakeCandidate();
   // Tells that the candidate was taken: the policy counts anew.
   void KeyframeTaken();
 
@@ -86,6 +89,9 @@ class Tracker {
   };
 
   TrackOutcome Start(TrackOutcome outcome);
+  void TrackInMap(const WorkerStatus& status, bool map_changed, TrackOutcome* outcome);
+  [[nodiscard]] Association Select(std::span<const PointMatch> matches);
+  void FetchLabels();
   void Rebase();
   bool TrackLastFrame(TrackOutcome* outcome);
   bool TrackReferenceKeyframe(TrackOutcome* outcome);
@@ -109,9 +115,8 @@ class Tracker {
   PoseOptimizerOptions pose_options_;
   ScalePyramid pyramid_;
   const MovingProbabilities& probabilities_;
-  MovingProbabilities& track_labels_;
-  FeatureTracks tracks_;
-  std::vector<double> keypoint_probabilities_;  // of the current frame
+  LabelSource label_source_;  // null once used
+  KeypointLabels labels_;     // of the current frame
 
   std::shared_ptr<const LocalMap> map_;
   Frame last_;

@@ -1,0 +1,57 @@
+#include "system/label_follower.h"
+
+#include <utility>
+
+#include "base/error.h"
+
+namespace rds {
+
+LabelFollower::LabelFollower(const FeatureTrackOptions& options, const MovingProbabilityOptions& probability,
+                             MovingProbabilities& labels, bool lockstep)
+    : tracks_(options), probability_(probability), labels_(labels) {
+  if (!lockstep) {
+    worker_.emplace([this] { Run(); });
+  }
+}
+
+LabelFollower::~LabelFollower() {
+  frames_.Close();
+  results_.Close();
+}
+
+void LabelFollower::Run() {
+  try {
+    while (auto frame = frames_.Pop()) {
+      if (!results_.Push(Follow(std::move(*frame)))) {
+        return;
+      }
+    }
+  } catch (...) {
+    results_.Close();  // so that Get learns of it
+    throw;
+  }
+}
+
+KeypointLabels LabelFollower::Follow(std::shared_ptr<const FrameData> frame) {
+  return tracks_.Follow(std::move(frame), labels_, probability_);
+}
+
+void LabelFollower::Begin(std::shared_ptr<const FrameData> frame) {
+  Check(frames_.TryPush(std::move(frame)), "Get follows Begin");
+}
+
+KeypointLabels LabelFollower::Get() {
+  if (!worker_) {
+    auto frame = frames_.Pop();
+    Check(frame.has_value(), "Begin comes before Get");
+    return Follow(std::move(*frame));
+  }
+  auto labels = results_.Pop();
+  if (!labels) {
+    worker_->Join();
+  }
+  Check(labels.has_value(), "the thread that follows labels lives");
+  return std::move(*labels);
+}
+
+}  // namespace rds

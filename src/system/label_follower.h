@@ -1,0 +1,39 @@
+// Labels that follow keypoints through the images, beside tracking.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "runtime/bounded_queue.h"
+#include "runtime/worker.h"
+#include "tracking/feature_tracks.h"
+
+namespace rds {
+
+// Runs FeatureTracks on a thread of its own, so that it costs tracking no time: it works while tracking searches for
+// the points of the last frame, and needs less time than that. In lockstep it works when asked. One caller: Begin, then
+// Get, once each for a frame.
+class LabelFollower {
+ public:
+  // The table of labels by track must outlive it.
+  LabelFollower(const FeatureTrackOptions& options, const MovingProbabilityOptions& probability,
+                MovingProbabilities& labels, bool lockstep);
+  ~LabelFollower();
+
+  void Begin(std::shared_ptr<const FrameData> frame);
+  // Waits for the labels of the frame that was begun. Throws what the thread threw.
+  [[nodiscard]] KeypointLabels Get();
+
+ private:
+  void Run();
+  [[nodiscard]] KeypointLabels Follow(std::shared_ptr<const FrameData> frame);
+
+  FeatureTracks tracks_;
+  MovingProbabilityOptions probability_;
+  MovingProbabilities& labels_;
+  BoundedQueue<std::shared_ptr<const FrameData>> frames_{1};
+  BoundedQueue<KeypointLabels> results_{1};
+  std::optional<Worker> worker_;  // none in lockstep
+};
+
+}  // namespace rds
