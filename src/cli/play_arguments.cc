@@ -62,8 +62,8 @@ PlaySetup PreparePlay(const PlayArguments& arguments, bool lockstep) {
   Options options = ResolveOptions(arguments.options);
   options.system.lockstep = options.system.lockstep || lockstep;
   const double rate = arguments.rate.value_or(options.system.lockstep ? 0 : 1);
-  if (!(rate >= 0 && rate <= 1000)) {
-    throw InputError(fmt::format("--rate {}: expected 0 (as fast as it goes) to 1000 times as recorded", rate));
+  if (rate != 0 && !(rate >= .01 && rate <= 1000)) {
+    throw InputError(fmt::format("--rate {}: expected 0 (as fast as it goes), or .01 to 1000 times as recorded", rate));
   }
   // Faster than recorded, mapping must be able to keep up.
   options.system.wait_for_mapping = options.system.wait_for_mapping || rate == 0 || rate > 1;

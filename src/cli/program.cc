@@ -52,6 +52,17 @@ std::string DescribeUnknown(const CLI::App& app, bool is_command, const std::str
                     : "unknown command '" + argument + "'" + Suggestion(argument, CommandNames(app));
 }
 
+// The name of an option that was given more often than it may be, or "".
+std::string GivenTwice(const CLI::App& app) {
+  for (const CLI::Option* option : app.get_options()) {
+    if (option->get_multi_option_policy() == CLI::MultiOptionPolicy::Throw && option->get_items_expected_max() > 0 &&
+        option->count() > static_cast<std::size_t>(option->get_items_expected_max())) {
+      return option->get_name();
+    }
+  }
+  return "";
+}
+
 // CLI11 complains of a missing argument before an unknown one; but it is the mistyped word that wants mending.
 std::string DescribeUsageError(const CLI::App& app, const CLI::ParseError& parse_error) {
   const CLI::App& active = Active(app);
@@ -61,6 +72,8 @@ std::string DescribeUsageError(const CLI::App& app, const CLI::ParseError& parse
   } else if (const std::vector<std::string> extra = active.remaining(); !extra.empty()) {
     const auto option = std::find_if(extra.begin(), extra.end(), [](const auto& e) { return e.starts_with("-"); });
     what = DescribeUnknown(active, true, option == extra.end() ? extra.front() : *option);
+  } else if (const std::string option = GivenTwice(active); !option.empty()) {
+    what = option + " is given more than once";
   }
   return what + "; " + HelpHint(app);
 }

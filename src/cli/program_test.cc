@@ -107,6 +107,12 @@ TEST_F(ProgramTest, NamesWhatIsMissingAndWhatIsTooMuch) {
   EXPECT_EQ(runs_, 0);
 }
 
+TEST_F(ProgramTest, NamesAnOptionGivenTwice) {
+  EXPECT_EQ(Run({"run", "kitchen", "--out", "d", "--rate", "1", "--rate=2"}), 1);
+  EXPECT_EQ(stderr_.str(), "rds: error: --rate is given more than once; see `rds run --help`\n");
+  EXPECT_EQ(runs_, 0);
+}
+
 TEST_F(ProgramTest, ReportsBadInput) {
   action_ = [] { throw InputError("a.txt:3: bad"); };
   EXPECT_EQ(Run({"run", "kitchen", "--out", "d"}), 1);

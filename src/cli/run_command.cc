@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "base/error.h"
@@ -87,15 +88,35 @@ void WriteOutputs(const std::filesystem::path& folder, const PlaySetup& setup, c
     files.push_back({folder / "trajectory.svg", PlotTrajectories(*outcome.accuracy, outcome.description.sequence)});
   }
   WriteFilesAtomically(files);
+  std::error_code error;
+  if (!outcome.accuracy && !std::filesystem::remove(folder / "trajectory.svg", error) && error) {  // of a run before
+    throw InputError(fmt::format("{}: cannot be removed: {}", (folder / "trajectory.svg").string(), error.message()));
+  }
+}
+
+// How many frames were tracked and how well, or why none was.
+std::string TrackingText(const PlaySetup& setup, const Outcome& outcome) {
+  const SlamResult& slam = outcome.playback.slam;
+  const std::ptrdiff_t not_started = FramesNotStarted(outcome.playback.frames);
+  const std::string text =
+      fmt::format("{}: {} of {} frames tracked, {} lost{}; {} keyframes, {} points\n", outcome.description.sequence,
+                  slam.tracked_frames, outcome.playback.frames.size(), slam.lost_frames,
+                  not_started > 0 ? fmt::format(", {} before the start", not_started) : "", slam.keyframes.size(),
+                  slam.map.points.size());
+  if (slam.tracked_frames == 0) {
+    return text + fmt::format(
+                      "never started: no frame has the {} keypoints with depth that a start needs "
+                      "(tracking.min_start_points); see that the images are not dark or blurred and that "
+                      "depth has the scale of the camera file\n",
+                      setup.options.tracking.min_start_points);
+  }
+  return text + AccuracyText(outcome.accuracy, setup.dataset.ground_truth().has_value());
 }
 
 void PrintSummary(const RunArguments& arguments, const PlaySetup& setup, const Outcome& outcome) {
   const PlaybackResult& playback = outcome.playback;
   const SlamResult& slam = playback.slam;
-  std::string text = fmt::format("{}: {} of {} frames tracked, {} lost; {} keyframes, {} points\n",
-                                 outcome.description.sequence, slam.tracked_frames, playback.frames.size(),
-                                 slam.lost_frames, slam.keyframes.size(), slam.map.points.size());
-  text += AccuracyText(outcome.accuracy, setup.dataset.ground_truth().has_value());
+  std::string text = TrackingText(setup, outcome);
   const std::vector<double> tracking_ms = TimingSeries(playback.frames, &FrameTiming::total_ms);
   if (!tracking_ms.empty()) {
     text += fmt::format("tracking: {:.1f} ms a frame (median; 95 % below {:.1f} ms)\n", Summarise(tracking_ms).median,
@@ -112,8 +133,23 @@ void PrintSummary(const RunArguments& arguments, const PlaySetup& setup, const O
   std::cout << text << std::flush;
 }
 
+// Completes video and still. After an interruption what is missing is no error, but said.
+void FinishRecording(VideoRecorder& recorder, bool interrupted) {
+  try {
+    recorder.Finish();
+  } catch (const InputError& error) {
+    if (!interrupted) {
+      throw;
+    }
+    log::warn("{}", error.what());
+  }
+  if (recorder.left_out() > 0) {
+    log::info("the video repeats pictures for {} frames that could not be drawn in time", recorder.left_out());
+  }
+}
+
 // Plays the sequence and writes the output folder. Returns the program's exit code: 0, or 128 + signal if interrupted
-// (what was tracked until then is written). After an InputError nothing is written.
+// (what was tracked until then is written, without any frame nothing). After an InputError nothing is written.
 int Run(const RunArguments& arguments) {
   const InterruptGuard interrupt_guard;
   PlaySetup setup = PreparePlay(arguments.play, arguments.lockstep);
@@ -140,13 +176,14 @@ int Run(const RunArguments& arguments) {
   outcome.playback = Play(setup.dataset, setup.camera, setup.options, std::move(segmenter), setup.rate, observers);
   progress.Finish();
   outcome.accuracy = Accuracy(outcome.playback.slam.frames, setup.dataset.ground_truth());
-  WriteOutputs(arguments.out, setup, outcome);
-  PrintSummary(arguments, setup, outcome);
+  if (outcome.playback.frames.empty()) {
+    log::warn("no frame was processed; nothing is written to {}", arguments.out);
+  } else {
+    WriteOutputs(arguments.out, setup, outcome);
+    PrintSummary(arguments, setup, outcome);
+  }
   if (recorder != nullptr) {
-    recorder->Finish();
-    if (recorder->left_out() > 0) {
-      log::info("the video repeats pictures for {} frames that could not be drawn in time", recorder->left_out());
-    }
+    FinishRecording(*recorder, outcome.playback.interrupted);
   }
   if (outcome.playback.interrupted) {
     log::warn("stopped by a signal after {} of {} frames", outcome.playback.frames.size(), setup.dataset.size());

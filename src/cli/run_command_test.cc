@@ -1,13 +1,17 @@
 // End to end: the commands run, bench, ablate and config.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <spdlog/details/null_mutex.h>
+#include <spdlog/sinks/base_sink.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <csignal>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <utility>
 
 #include "base/error.h"
 #include "base/log.h"
@@ -23,9 +27,22 @@ namespace rds {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 namespace fs = std::filesystem;
 
 constexpr int kFrames = 40;
+
+// Interrupts the program at the first message, which a run prints before the first frame.
+class InterruptingSink final : public spdlog::sinks::base_sink<spdlog::details::null_mutex> {
+  void sink_it_(const spdlog::details::log_msg& /*message*/) override {
+    if (!std::exchange(done_, true)) {
+      raise(SIGINT);
+    }
+  }
+  void flush_() override {}
+
+  bool done_ = false;
+};
 
 // A short synthetic sequence with people, written once, and a folder for results.
 class RunCommandTest : public ::testing::Test {
@@ -154,9 +171,38 @@ TEST_F(RunCommandTest, WithoutGroundTruthAccuracyIsNull) {
   fs::remove(copy / "groundtruth.txt");
   std::vector<std::string> words = RunWords({"--frames", ":5"});
   words[1] = copy.string();
+  own_.Write("out/trajectory.svg", "of a run before");
   ASSERT_EQ(Program(words), 0);
   EXPECT_TRUE(Report()["ate_m"].is_null());
   EXPECT_FALSE(fs::exists(out_ / "trajectory.svg"));
+}
+
+TEST_F(RunCommandTest, SaysWhyItNeverStarted) {
+  std::string printed;
+  ASSERT_EQ(Program(RunWords({"--frames", ":5", "--set", "tracking.min_start_points=10000"}), &printed), 0);
+  EXPECT_EQ(Report()["tracked"], 0);
+  EXPECT_EQ(Report()["not_started"], 5);
+  EXPECT_THAT(printed, HasSubstr("0 of 5 frames tracked, 0 lost, 5 before the start"));
+  EXPECT_THAT(printed, HasSubstr("10000 keypoints with depth"));
+  EXPECT_THAT(printed, Not(HasSubstr("accuracy")));
+}
+
+TEST_F(RunCommandTest, InterruptedBeforeTheFirstFrameLeavesEarlierResultsAlone) {
+  for (const char* name : {"out/trajectory.txt", "out/trajectory.svg", "out/run.mp4"}) {
+    own_.Write(name, "before");
+  }
+  auto& sinks = spdlog::get("rds")->sinks();
+  sinks.push_back(std::make_shared<InterruptingSink>());
+  std::string printed;
+  const int exit_code =
+      Program(RunWords({"--video", (out_ / "run.mp4").string(), "--still", (out_ / "a.png").string()}), &printed);
+  sinks.pop_back();
+  EXPECT_EQ(exit_code, 130);
+  EXPECT_EQ(printed, "");
+  for (const char* name : {"out/trajectory.txt", "out/trajectory.svg", "out/run.mp4"}) {
+    EXPECT_EQ(own_.Read(name), "before") << name;
+  }
+  EXPECT_EQ(std::distance(fs::directory_iterator(out_), {}), 3);
 }
 
 TEST_F(RunCommandTest, BadInputWritesNothing) {
@@ -173,7 +219,9 @@ TEST_F(RunCommandTest, ErrorsComeBeforeTheWork) {
   EXPECT_THAT(ErrorOf(RunWords({"--set", "orb.featurs=5"})), HasSubstr("orb.features"));
   EXPECT_THAT(ErrorOf(RunWords({"--config", "/nowhere.yaml"})), HasSubstr("/nowhere.yaml"));
   EXPECT_THAT(ErrorOf(RunWords({"--frames", "9:5"})), HasSubstr("9:5"));
-  EXPECT_THAT(ErrorOf(RunWords({"--rate", "-1"})), HasSubstr("--rate"));
+  for (const char* rate : {"-1", "0.001", "1001", "nan"}) {
+    EXPECT_THAT(ErrorOf(RunWords({"--rate", rate})), HasSubstr("--rate")) << rate;
+  }
   EXPECT_THAT(ErrorOf(RunWords({"--camera", "/nowhere.yaml"})), HasSubstr("/nowhere.yaml"));
   EXPECT_THAT(ErrorOf(RunWords({"--still-frame", "3"})), HasSubstr("--still"));
   EXPECT_THAT(ErrorOf(RunWords({"--still", (out_ / "a.png").string(), "--still-frame", "40"})), HasSubstr("40 frames"));

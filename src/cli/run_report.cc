@@ -60,6 +60,10 @@ std::vector<double> TimingSeries(const std::vector<FrameResult>& frames, double 
   return values;
 }
 
+std::ptrdiff_t FramesNotStarted(const std::vector<FrameResult>& frames) {
+  return std::ranges::count(frames, TrackingState::kNotInitialized, &FrameResult::state);
+}
+
 Json CpuReport(const PlaybackResult& playback, double other_cpu_s) {
   if (playback.frames.empty()) {
     return nullptr;
@@ -82,6 +86,7 @@ Json RunReport(const RunDescription& description, const PlaybackResult& playback
   report["frames"] = playback.frames.size();
   report["tracked"] = slam.tracked_frames;
   report["lost"] = slam.lost_frames;
+  report["not_started"] = FramesNotStarted(playback.frames);
   report["late"] = std::count_if(playback.lateness_ms.begin(), playback.lateness_ms.end(),
                                  [](double late_ms) { return late_ms > kLate_ms; });
   report["keyframes"] = slam.keyframes.size();

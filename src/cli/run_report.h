@@ -1,6 +1,7 @@
 // What a run leaves behind as text: report.json, frames.csv, semantics.csv.
 #pragma once
 
+#include <cstddef>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -24,6 +25,9 @@ struct RunDescription {
 // CPU time in milliseconds a frame: of the whole program without reading images, of the tracking thread, of reading.
 // `other_cpu_s` is taken off the first (a yardstick, drawing).
 [[nodiscard]] nlohmann::ordered_json CpuReport(const PlaybackResult& playback, double other_cpu_s);
+
+// Frames before the first pose: neither tracked nor lost.
+[[nodiscard]] std::ptrdiff_t FramesNotStarted(const std::vector<FrameResult>& frames);
 
 // One line a frame, with a heading.
 [[nodiscard]] std::string FramesCsv(const PlaybackResult& playback);

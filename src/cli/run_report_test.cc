@@ -45,6 +45,7 @@ TEST(RunReport, SaysWhatHappened) {
   EXPECT_EQ(report["frames"], 10);
   EXPECT_EQ(report["tracked"], 8);
   EXPECT_EQ(report["lost"], 1);
+  EXPECT_EQ(report["not_started"], 1);
   EXPECT_EQ(report["late"], 1);
   EXPECT_EQ(report["keyframes"], 3);
   EXPECT_EQ(report["map_points"], 7);

@@ -23,6 +23,9 @@ std::string Row(const std::string& name, const Statistics& s) {
 }  // namespace
 
 nlohmann::ordered_json ToJson(const Statistics& s) {
+  if (s.count == 0) {
+    return nullptr;
+  }
   return {{"count", s.count}, {"rmse", s.rmse}, {"mean", s.mean}, {"median", s.median},
           {"std", s.std},     {"min", s.min},   {"max", s.max}};
 }

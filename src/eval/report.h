@@ -8,7 +8,7 @@
 
 namespace rds {
 
-// {count, rmse, mean, median, std, min, max}
+// {count, rmse, mean, median, std, min, max}; null for an empty series.
 nlohmann::ordered_json ToJson(const Statistics& statistics);
 
 // {ate_m: {rmse, ...}, rpe: {delta, delta_unit, translation_m: {...}, rotation_deg: {...}}, matched_poses,

@@ -32,6 +32,15 @@ TEST(Report, JsonHoldsTheFigures) {
   EXPECT_EQ(json.at("alignment").at("scale"), 1.0);
 }
 
+TEST(Report, JsonHasNullForWhatIsUnknown) {
+  EvaluationOptions options;
+  options.delta = 1000;
+  const auto json = nlohmann::json::parse(ToJson(Some(options)).dump());
+  EXPECT_TRUE(json.at("rpe").at("translation_m").is_null());
+  EXPECT_TRUE(json.at("rpe").at("rotation_deg").is_null());
+  EXPECT_EQ(json.at("ate_m").at("count"), 50);
+}
+
 TEST(Report, TableReads) {
   const std::string table = FormatTable(Some());
   EXPECT_THAT(table, HasSubstr("50 of 50 poses matched with the ground truth's 50 (nearest in time), over 4.9 s"));

@@ -7,6 +7,7 @@
 #include <atomic>
 #include <cerrno>
 #include <cstring>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -95,25 +96,31 @@ void WriteStraight(const fs::path& path, std::string_view text) {
   }
 }
 
+// The regular file to replace: what a link points to, so that a link stays a link. Nothing for a device.
+std::optional<fs::path> FileToReplace(const fs::path& path) {
+  std::error_code ignored;
+  const fs::file_status status = fs::status(path, ignored);
+  if (fs::is_directory(status)) {
+    throw WriteError(path, EISDIR);
+  }
+  if (fs::exists(status) && !fs::is_regular_file(status)) {
+    return std::nullopt;
+  }
+  return fs::is_symlink(fs::symlink_status(path, ignored)) ? fs::weakly_canonical(path) : path;
+}
+
 }  // namespace
 
 void WriteFilesAtomically(std::span<const OutputFile> files) {
   std::vector<TemporaryFile> temporary;
   std::vector<const OutputFile*> straight;
   for (const OutputFile& file : files) {
-    std::error_code ignored;
-    const fs::file_status status = fs::status(file.path, ignored);
-    if (fs::is_directory(status)) {
-      throw WriteError(file.path, EISDIR);
-    }
-    if (fs::exists(status) && !fs::is_regular_file(status)) {
+    const std::optional<fs::path> target = FileToReplace(file.path);
+    if (!target) {
       straight.push_back(&file);
       continue;
     }
-    // A link stays a link: what it points to is replaced.
-    const fs::path target =
-        fs::is_symlink(fs::symlink_status(file.path, ignored)) ? fs::weakly_canonical(file.path) : file.path;
-    if (const int error = temporary.emplace_back(target).Write(file.text); error != 0) {
+    if (const int error = temporary.emplace_back(*target).Write(file.text); error != 0) {
       throw WriteError(file.path, error);
     }
   }
@@ -130,6 +137,13 @@ void WriteFilesAtomically(std::span<const OutputFile> files) {
 void WriteFileAtomically(const fs::path& path, std::string_view text) {
   const OutputFile file{path, std::string(text)};
   WriteFilesAtomically({&file, 1});
+}
+
+void CheckWritable(const fs::path& path) {
+  const std::optional<fs::path> target = FileToReplace(path);
+  if (const int error = target ? TemporaryFile(*target).Write("\n") : 0; error != 0) {
+    throw WriteError(path, error);
+  }
 }
 
 void PrepareOutputFolder(const fs::path& folder) {

@@ -23,6 +23,10 @@ void WriteFilesAtomically(std::span<const OutputFile> files);
 // The same for one file.
 void WriteFileAtomically(const std::filesystem::path& path, std::string_view text);
 
+// Proves that the above could write `path`, and leaves no trace: to be called before the work whose result goes there.
+// InputError otherwise.
+void CheckWritable(const std::filesystem::path& path);
+
 // Makes the folder (and those above it) if it is not there, and proves with a small file that one can write in it.
 // InputError otherwise: to be called before the work whose results go there.
 void PrepareOutputFolder(const std::filesystem::path& folder);

@@ -1,36 +1,14 @@
 #include "io/atomic_file.h"
 
 #include <gmock/gmock.h>
-#include <sys/resource.h>
 
-#include <csignal>
-
+#include "testing/file_size_limit.h"
 #include "testing/temporary_folder.h"
 
 namespace rds {
 namespace {
 
 using ::testing::HasSubstr;
-
-// While it lives no file can grow beyond `bytes`: the nearest thing to a full disk that needs no privilege.
-class FileSizeLimit {
- public:
-  explicit FileSizeLimit(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
-    getrlimit(RLIMIT_FSIZE, &before_);
-    const rlimit limit{bytes, before_.rlim_max};
-    setrlimit(RLIMIT_FSIZE, &limit);
-  }
-  ~FileSizeLimit() {
-    setrlimit(RLIMIT_FSIZE, &before_);
-    std::signal(SIGXFSZ, handler_);
-  }
-  FileSizeLimit(const FileSizeLimit&) = delete;
-  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
-
- private:
-  rlimit before_{};
-  void (*handler_)(int);
-};
 
 TEST(WriteFileAtomically, WritesAndReplaces) {
   const TemporaryFolder folder;
@@ -83,6 +61,18 @@ TEST(WriteFilesAtomically, WritesAllOrNone) {
   EXPECT_THAT(InputErrorOf([&] { WriteFilesAtomically(bad); }), HasSubstr("none/b.txt: cannot be written"));
   EXPECT_EQ(folder.Read("a.txt"), "a");
   EXPECT_EQ(folder.Count(), 2);
+}
+
+TEST(CheckWritable, LeavesNoTraceAndNamesTheReason) {
+  const TemporaryFolder folder;
+  folder.Write("a.txt", "before");
+  CheckWritable(folder.path() / "a.txt");
+  CheckWritable(folder.path() / "b.txt");
+  CheckWritable("/dev/null");
+  EXPECT_EQ(folder.Read("a.txt"), "before");
+  EXPECT_EQ(folder.Count(), 1);
+  EXPECT_THAT(InputErrorOf([&] { CheckWritable(folder.path()); }), HasSubstr("Is a directory"));
+  EXPECT_THAT(InputErrorOf([] { CheckWritable("/no/such/a.txt"); }), HasSubstr("/no/such/a.txt: cannot be written"));
 }
 
 TEST(PrepareOutputFolder, MakesIt) {

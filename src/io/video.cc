@@ -9,8 +9,10 @@
 #include <string>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "base/error.h"
+#include "io/atomic_file.h"
 #include "runtime/bounded_queue.h"
 #include "runtime/worker.h"
 
@@ -83,8 +85,11 @@ class VideoFile {
   // OpenCV does not report write errors, so the file is read back.
   void Finish() {
     writer_.release();
+    if (frames_ == 0) {
+      throw InputError(fmt::format("{}: no video, because no frame was recorded", pending_.file().string()));
+    }
     cv::VideoCapture written(pending_.temporary(), cv::CAP_FFMPEG);
-    if (frames_ > 0 && (!written.isOpened() || written.get(cv::CAP_PROP_FRAME_COUNT) < frames_)) {
+    if (!written.isOpened() || written.get(cv::CAP_PROP_FRAME_COUNT) < frames_) {
       throw InputError(fmt::format("{}: the video is incomplete; is the disk full?", pending_.file().string()));
     }
     pending_.Commit();
@@ -96,17 +101,11 @@ class VideoFile {
   int frames_ = 0;
 };
 
-// Writes a PNG under its temporary name.
-void EncodeStill(const PendingFile& pending, const Image8& picture) {
-  bool written = false;
-  try {
-    written = cv::imwrite(pending.temporary(), View(picture));
-  } catch (const cv::Exception&) {  // reported below
-  }
-  if (!written) {
-    throw InputError(fmt::format("{}: cannot be written; is the folder there, writable and the disk not full?",
-                                 pending.file().string()));
-  }
+// Encoded in memory, because cv::imwrite does not report a full disk.
+void WriteStill(const std::filesystem::path& file, const Image8& picture) {
+  std::vector<std::uint8_t> bytes;
+  Check(cv::imencode(".png", View(picture), bytes), "a PNG can be encoded");
+  WriteFileAtomically(file, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
 }  // namespace
@@ -120,7 +119,7 @@ class VideoRecorder::Impl {
     }
     if (options.still) {
       CheckExtension(*options.still, ".png");
-      EncodeStill(PendingFile(*options.still), Image8(8, 8, 3));  // a bad place fails now rather than at the end
+      CheckWritable(*options.still);  // a bad place fails now rather than at the end
     }
     worker_ = std::make_unique<Worker>([this] { Work(); });
   }
@@ -147,16 +146,14 @@ class VideoRecorder::Impl {
   void Finish() {
     queue_.Close();
     worker_->Join();
+    if (video_ != nullptr) {
+      video_->Finish();
+    }
     if (options_.still && !still_.empty()) {
-      PendingFile pending(*options_.still);
-      EncodeStill(pending, still_);
-      pending.Commit();
+      WriteStill(*options_.still, still_);
     } else if (options_.still) {
       throw InputError(fmt::format("{}: no picture, because the run did not reach frame {}", options_.still->string(),
                                    options_.still_frame ? options_.still_frame->value : 0));
-    }
-    if (video_ != nullptr) {
-      video_->Finish();
     }
   }
 

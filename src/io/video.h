@@ -35,8 +35,8 @@ class VideoRecorder {
   // Never waits, unless VideoOptions::wait or the frame is the still.
   void Add(RunViewContent content);
 
-  // Draws what is queued, closes the files and moves them into place. Throws InputError if a file is incomplete (a full
-  // disk), or if still_frame never came.
+  // Draws what is queued, closes the files and moves them into place, the video first. Throws InputError if a file is
+  // incomplete (a full disk), if still_frame never came (the video is in place all the same), or without any frame.
   void Finish();
 
   // Frames that found the queue full.

@@ -8,6 +8,7 @@
 #include <opencv2/videoio.hpp>
 
 #include "base/error.h"
+#include "testing/file_size_limit.h"
 #include "testing/temporary_folder.h"
 
 namespace rds {
@@ -146,8 +147,29 @@ TEST_F(VideoRecorderTest, BadNamesAreNamed) {
   EXPECT_TRUE(fs::is_empty(folder_));
 }
 
-TEST_F(VideoRecorderTest, StillThatNeverCameIsAnError) {
-  EXPECT_THAT(ErrorOf({.still = folder_ / "run.png", .still_frame = FrameId{7}}), HasSubstr("frame 7"));
+TEST_F(VideoRecorderTest, StillThatNeverCameIsAnErrorButTheVideoStays) {
+  EXPECT_THAT(ErrorOf({.video = folder_ / "run.mp4", .still = folder_ / "run.png", .still_frame = FrameId{7}}),
+              HasSubstr("frame 7"));
+  EXPECT_EQ(cv::VideoCapture((folder_ / "run.mp4").string()).get(cv::CAP_PROP_FRAME_COUNT), 1);
+  EXPECT_EQ(temporary_.Count(), 1);
+}
+
+TEST_F(VideoRecorderTest, StillOnAFullDiskIsAnErrorAndKeepsTheOldOne) {
+  temporary_.Write("run.png", "before");
+  {
+    const FileSizeLimit limit(1000);
+    EXPECT_THAT(ErrorOf({.still = folder_ / "run.png"}), HasSubstr("run.png: cannot be written"));
+  }
+  EXPECT_EQ(temporary_.Read("run.png"), "before");
+  EXPECT_EQ(temporary_.Count(), 1);
+}
+
+TEST_F(VideoRecorderTest, WithoutAFrameThereIsNoVideo) {
+  temporary_.Write("run.mp4", "before");
+  EXPECT_THAT(InputErrorOf([this] { VideoRecorder({.video = folder_ / "run.mp4"}, kWidth, kHeight).Finish(); }),
+              HasSubstr("run.mp4: no video"));
+  EXPECT_EQ(temporary_.Read("run.mp4"), "before");
+  EXPECT_EQ(temporary_.Count(), 1);
 }
 
 }  // namespace

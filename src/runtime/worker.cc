@@ -1,5 +1,10 @@
 #include "runtime/worker.h"
 
+#ifdef __linux__
+#include <pthread.h>
+#include <sched.h>
+#endif
+
 #include <chrono>
 #include <exception>
 #include <utility>
@@ -29,6 +34,18 @@ void Worker::Join() {
 
 bool Worker::WaitFor(double seconds) const {
   return !done_.valid() || done_.wait_for(std::chrono::duration<double>(seconds)) == std::future_status::ready;
+}
+
+void Worker::LeaveCallersCore() {
+#ifdef __linux__
+  cpu_set_t cores;
+  if (sched_getaffinity(0, sizeof cores, &cores) == 0) {
+    CPU_CLR(sched_getcpu(), &cores);
+    if (CPU_COUNT(&cores) > 0) {
+      pthread_setaffinity_np(thread_.native_handle(), sizeof cores, &cores);
+    }
+  }
+#endif
 }
 
 void Worker::Abandon() {

@@ -5,6 +5,11 @@
 #include "base/error.h"
 
 namespace rds {
+namespace {
+
+constexpr int kMoveEvery = 10;  // frames; the caller may have moved to another core since
+
+}  // namespace
 
 LabelFollower::LabelFollower(const FeatureTrackOptions& options, const MovingProbabilityOptions& probability,
                              MovingProbabilities& labels, bool lockstep)
@@ -37,6 +42,9 @@ KeypointLabels LabelFollower::Follow(std::shared_ptr<const FrameData> frame) {
 }
 
 void LabelFollower::Begin(std::shared_ptr<const FrameData> frame) {
+  if (worker_ && begun_++ % kMoveEvery == 0) {
+    worker_->LeaveCallersCore();
+  }
   Check(frames_.TryPush(std::move(frame)), "Get follows Begin");
 }
 

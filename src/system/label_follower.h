@@ -33,6 +33,7 @@ class LabelFollower {
   MovingProbabilities& labels_;
   BoundedQueue<std::shared_ptr<const FrameData>> frames_{1};
   BoundedQueue<KeypointLabels> results_{1};
+  int begun_ = 0;
   std::optional<Worker> worker_;  // none in lockstep
 };
 

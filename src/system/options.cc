@@ -41,10 +41,12 @@ void BindTracking(TrackerOptions& options, OptionTable& table) {
   table.Int("tracking.tau", association.tau, 0, 10000, "static matches that are enough (Algorithm 2)");
   table.Choice("tracking.unknown", association.unknown,
                {{"paper", UnknownPoints::kPaper}, {"always", UnknownPoints::kAlways}, {"gated", UnknownPoints::kGated}},
-               "unknown points are used while fewer than tau static ones are there; always; or as in the paper, and "
-               "also where static ones are few, if they agree with the pose of those");
+               "unknown points are used while fewer than tau static ones are there; always; or where static ones are "
+               "few, if they agree with the pose of those");
   table.Int("tracking.few_static", association.few_static, 0, 10000,
-            "gated: static inliers below which unknown points are let in");
+            "gated: static inliers below which agreeing unknown points are let in");
+  table.Int("tracking.pose_static", association.pose_static, 0, 10000,
+            "gated: static matches that give a pose of their own; below, all unknown points are used");
 }
 
 void BindTracks(FeatureTrackOptions& options, OptionTable& table) {

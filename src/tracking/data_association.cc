@@ -33,7 +33,10 @@ Association SelectMatches(std::span<const PointMatch> matches, const LocalMap& m
     }
   }
   result.static_count = static_cast<int>(result.used.size());
-  if (result.static_count < options.tau || options.unknown == UnknownPoints::kAlways) {
+  // Algorithm 2, with tau; where unknown ones are gated, static ones may be fewer and still lead.
+  const int enough =
+      options.unknown == UnknownPoints::kGated ? std::min(options.tau, options.pose_static) : options.tau;
+  if (result.static_count < enough || options.unknown == UnknownPoints::kAlways) {
     result.used.insert(result.used.end(), unknown.begin(), unknown.end());
   } else {
     result.set_aside = std::move(unknown);

@@ -13,14 +13,16 @@ namespace rds {
 enum class UnknownPoints : std::uint8_t {
   kPaper,   // used only while fewer than tau static ones are there
   kAlways,  // always used, with the weight 1 - p that lets static ones lead
-  kGated,   // the paper's rule; where static ones are enough but few, also those that agree with their pose
+  kGated,   // used where static ones are few, but only those that agree with their pose; all of them if static ones are
+            // too few for a pose
 };
 
 struct AssociationOptions {
   bool use_semantics = true;  // false: every match is used, as if no point had a label
   int tau = 20;               // static matches that are enough
   UnknownPoints unknown = UnknownPoints::kGated;
-  int few_static = 30;  // kGated: below so many static inliers unknown ones are let in
+  int few_static = 60;   // kGated: below so many static inliers unknown ones are let in
+  int pose_static = 10;  // kGated: so many static matches give a pose of their own
   MovingProbabilityOptions probability;
 };
 

@@ -44,13 +44,29 @@ TEST(DataAssociation, BelowTauUnknownOnesFollowTheStaticOnes) {
   scene.Add(30, 0.5);
   scene.Add(19, 0.1);
   scene.Add(10, 0.9);
-  const Association association = scene.Select({});
+  AssociationOptions options;
+  options.unknown = UnknownPoints::kPaper;
+  const Association association = scene.Select(options);
   ASSERT_EQ(association.used.size(), 49U);
   EXPECT_EQ(association.used.front().state, PointState::kStatic);
   EXPECT_EQ(association.used.back().state, PointState::kUnknown);
   EXPECT_DOUBLE_EQ(association.used.front().weight, 1.0);
   EXPECT_NEAR(association.used.back().weight, 0.5 / 0.9, 1e-6);
   EXPECT_EQ(association.dynamic.size(), 10U);  // never used
+}
+
+TEST(DataAssociation, GatedUnknownOnesWaitForThePoseOfAFewStaticOnes) {
+  for (const int still : {9, 10}) {
+    Scene scene;
+    scene.Add(30, 0.5);
+    scene.Add(still, 0.1);
+    scene.Add(10, 0.9);
+    const Association association = scene.Select({});
+    EXPECT_EQ(association.static_count, still);
+    EXPECT_EQ(association.set_aside.size(), still == 10 ? 30U : 0U);
+    EXPECT_EQ(association.used.size(), still == 10 ? 10U : 39U);
+    EXPECT_EQ(association.dynamic.size(), 10U);
+  }
 }
 
 TEST(DataAssociation, WithoutSemanticsEverythingIsUsedAlike) {
