@@ -83,6 +83,10 @@ void Undistort(const PinholeCamera& camera, std::vector<Keypoint>& keypoints) {
   }
 }
 
+void CheckFeatures(int features) {
+  Check(features >= 0 && features < std::numeric_limits<std::uint16_t>::max(), "fewer than 65535 features");
+}
+
 }  // namespace
 
 struct OrbExtractor::Impl {
@@ -140,8 +144,7 @@ void OrbExtractor::Impl::ExtractLevel(std::size_t level, std::vector<Keypoint>& 
 }
 
 OrbExtractor::OrbExtractor(const OrbOptions& options) {
-  Check(options.features >= 0 && options.features < std::numeric_limits<std::uint16_t>::max(),
-        "fewer than 65535 features");
+  CheckFeatures(options.features);
   Check(options.levels > 0 && options.levels <= 255 && options.scale_factor > 1 && options.scale_factor <= 4,
         "a pyramid has levels that shrink, by at most 4");
   Check(options.min_fast_threshold >= 0 && options.min_fast_threshold <= options.fast_threshold &&
@@ -151,6 +154,14 @@ OrbExtractor::OrbExtractor(const OrbOptions& options) {
 }
 
 OrbExtractor::~OrbExtractor() = default;
+
+void OrbExtractor::SetFeatures(int features) {
+  if (features != impl_->options.features) {
+    CheckFeatures(features);
+    impl_->options.features = features;
+    impl_->features_per_level = FeaturesPerLevel(impl_->options);
+  }
+}
 
 const ScalePyramid& OrbExtractor::pyramid() const { return impl_->pyramid; }
 

@@ -9,7 +9,7 @@
 namespace rds {
 
 struct OrbOptions {
-  int features = 2000;         // keypoints wanted
+  int features = 1250;         // keypoints wanted
   int levels = 8;              // pyramid levels
   double scale_factor = 1.2;   // between levels
   int fast_threshold = 20;     // grey values
@@ -26,6 +26,9 @@ class OrbExtractor {
   OrbExtractor& operator=(const OrbExtractor&) = delete;
 
   [[nodiscard]] const ScalePyramid& pyramid() const;
+
+  // Changes the number of keypoints wanted from the next frame on.
+  void SetFeatures(int features);
 
   // Features of a frame; `image` is grey or BGR, both images have the camera's size (else InvariantError). Never throws
   // on image content: a black image gives no features.

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/ usr / bin / env python3
 """Computes the 256 pixel pairs of the descriptor and prints orb_pattern.cc (then run clang-format). Needs nothing but Python; takes a minute.
 
 rBRIEF (Rublee et al., "ORB: an efficient alternative to SIFT or SURF", ICCV 2011, section 4.3) looks for tests that are

@@ -128,6 +128,24 @@ TEST(OrbExtractor, SpreadsFeaturesOverTheImage) {
   }
 }
 
+TEST(OrbExtractor, SetFeaturesIsAsIfMadeWithThem) {
+  const cv::Mat image = Textured(640, 480, 2);
+  OrbExtractor extractor(Thousand());
+  const auto extract = [&] { return extractor.Extract(CameraOf(640, 480), ToImage(image), Image16(640, 480)); };
+  EXPECT_LE(extract().size(), 1000U);
+  extractor.SetFeatures(2000);
+  OrbOptions options;
+  options.features = 2000;
+  const FrameData changed = extract();
+  const FrameData made = ExtractFrom(image, options);
+  ASSERT_EQ(changed.size(), made.size());
+  EXPECT_GT(changed.size(), 1500U);
+  for (std::size_t i = 0; i < made.size(); ++i) {
+    EXPECT_EQ(changed.descriptors()[i], made.descriptors()[i]);
+  }
+  EXPECT_THROW(extractor.SetFeatures(-1), InvariantError);
+}
+
 TEST(OrbExtractor, FillsAllLevels) {
   const FrameData frame = ExtractFrom(Textured(640, 480, 2));
   std::vector<int> count(8, 0);

@@ -224,6 +224,9 @@ FrameResult Slam::Impl::Process(const RgbdFrame& frame) {
   if (options_.system.lockstep) {
     StepSemantics(result.frame);
   }
+  extractor_.SetFeatures(shared_->pipeline.people_in_sight()
+                             ? std::max(options_.orb.features, options_.semantic.features_with_people)
+                             : options_.orb.features);
   auto data = std::make_shared<const FrameData>(extractor_.Extract(camera_, *frame.image, *frame.depth));
   result.timing.extraction_ms = watch.Milliseconds();
   Tracker::LabelSource labels;
