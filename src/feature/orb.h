@@ -9,7 +9,7 @@
 namespace rds {
 
 struct OrbOptions {
-  int features = 1250;         // keypoints wanted
+  int features = 1000;         // keypoints wanted
   int levels = 8;              // pyramid levels
   double scale_factor = 1.2;   // between levels
   int fast_threshold = 20;     // grey values

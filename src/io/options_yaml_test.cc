@@ -57,7 +57,7 @@ TEST_F(OptionsYamlTest, DocumentedRoundTripIsExact) {
 
 TEST_F(OptionsYamlTest, DocumentsMeaningRangeAndDefault) {
   EXPECT_THAT(DocumentedOptionsYaml(Unusual()),
-              HasSubstr("orb:\n  # keypoints wanted in a frame\n  # 100 .. 10000; default 1250\n  features: 1234\n"));
+              HasSubstr("orb:\n  # keypoints wanted in a frame\n  # 100 .. 10000; default 1000\n  features: 1234\n"));
 }
 
 TEST_F(OptionsYamlTest, NamesOnlyChangeWhatTheyName) {

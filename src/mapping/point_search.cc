@@ -47,7 +47,7 @@ std::vector<Match> MatchAlongEpipolarLines(const Map& map, const Keyframe& a, co
     const Eigen::Vector3d line =
         f * Eigen::Vector3d(static_cast<double>(keypoint.x), static_cast<double>(keypoint.y), 1.0);
     const double norm2 = line.head<2>().squaredNorm();
-    int best = 257;
+    int best = kStrictDistance + 1;
     int second = 257;
     std::uint32_t chosen = 0;
     for (const std::uint32_t candidate : free_b) {
