@@ -8,30 +8,12 @@
 
 #include "base/random.h"
 #include "testing/matchers.h"
+#include "testing/view.h"
 
 namespace rds {
 namespace {
 
 constexpr std::uint32_t kPoints = 40;
-
-PinholeCamera Camera() {
-  PinholeCamera camera;
-  camera.fx = camera.fy = 500;
-  camera.cx = 320;
-  camera.cy = 240;
-  return camera;
-}
-
-Keypoint See(const Rigid3& camera_from_world, const Eigen::Vector3d& point) {
-  const Eigen::Vector3d in_camera = camera_from_world * point;
-  const Eigen::Vector2d pixel = Camera().Project(in_camera);
-  Keypoint keypoint;
-  keypoint.x = static_cast<float>(pixel.x());
-  keypoint.y = static_cast<float>(pixel.y());
-  keypoint.depth_m = static_cast<float>(in_camera.z());
-  keypoint.right_x = static_cast<float>(pixel.x() - Camera().Bf() / in_camera.z());
-  return keypoint;
-}
 
 Rigid3 Truth(std::size_t keyframe) {
   const auto k = static_cast<double>(keyframe);
@@ -65,7 +47,7 @@ struct Scene {
       keypoints.back().depth_m = 0;
       keypoints.back().right_x = -1;
       std::vector<Descriptor> descriptors(keypoints.size());
-      const auto data = std::make_shared<const FrameData>(Camera(), std::move(keypoints), std::move(descriptors));
+      const auto data = std::make_shared<const FrameData>(TestCamera(), std::move(keypoints), std::move(descriptors));
       Eigen::Matrix<double, 6, 1> error;
       for (double& value : error) {
         value = k == 0 ? 0 : random.Uniform(-0.02, 0.02);

@@ -7,26 +7,19 @@
 #include <vector>
 
 #include "testing/matchers.h"
+#include "testing/view.h"
 
 namespace rds {
 namespace {
 
 constexpr std::uint32_t kPoints = 30;
 
-PinholeCamera Camera() {
-  PinholeCamera camera;
-  camera.fx = camera.fy = 500;
-  camera.cx = 320;
-  camera.cy = 240;
-  return camera;
-}
-
 Keypoint At(double x, double y, double depth_m) {
   Keypoint keypoint;
   keypoint.x = keypoint.raw_x = static_cast<float>(x);
   keypoint.y = keypoint.raw_y = static_cast<float>(y);
   keypoint.depth_m = static_cast<float>(depth_m);
-  keypoint.right_x = depth_m > 0 ? static_cast<float>(x - Camera().Bf() / depth_m) : -1.0F;
+  keypoint.right_x = depth_m > 0 ? static_cast<float>(x - TestCamera().Bf() / depth_m) : -1.0F;
   return keypoint;
 }
 
@@ -56,7 +49,7 @@ struct Scene {
     candidate.timestamp_s = 0.1 * frames;
     std::vector<Descriptor> descriptors(keypoints.size());
     candidate.points.resize(keypoints.size());
-    candidate.data = std::make_shared<const FrameData>(Camera(), std::move(keypoints), std::move(descriptors));
+    candidate.data = std::make_shared<const FrameData>(TestCamera(), std::move(keypoints), std::move(descriptors));
     return candidate;
   }
   // A candidate that shows the points 0 .. kPoints - 1 of the map in the first keypoints without depth, so that it
@@ -207,7 +200,7 @@ std::vector<KeyframeId> CullAmongFive(std::uint8_t octave, std::uint32_t alone, 
     for (Keypoint& keypoint : keypoints) {
       keypoint.octave = k == 1 ? octave : std::uint8_t{3};
     }
-    const auto data = std::make_shared<const FrameData>(Camera(), std::move(keypoints), descriptors);
+    const auto data = std::make_shared<const FrameData>(TestCamera(), std::move(keypoints), descriptors);
     const KeyframeId id = map->AddKeyframe(FrameId{k}, k, {}, data).id;
     for (std::uint32_t i = 0; i < kPoints; ++i) {
       if (k == 0) {

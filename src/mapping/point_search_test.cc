@@ -8,6 +8,7 @@
 #include "mapping/local_mapper.h"
 #include "semantic/evidence.h"
 #include "testing/matchers.h"
+#include "testing/view.h"
 
 namespace rds {
 namespace {
@@ -15,27 +16,6 @@ namespace {
 constexpr std::uint32_t kShared = 20;  // points that make the keyframes covisible
 constexpr std::uint32_t kNew = 20;     // points of the world that are not in the map yet
 constexpr std::uint32_t kAll = kShared + kNew;
-
-PinholeCamera Camera() {
-  PinholeCamera camera;
-  camera.fx = camera.fy = 500;
-  camera.cx = 320;
-  camera.cy = 240;
-  return camera;
-}
-
-Keypoint See(const Rigid3& camera_from_world, const Eigen::Vector3d& point, bool depth) {
-  const Eigen::Vector3d in_camera = camera_from_world * point;
-  const Eigen::Vector2d pixel = Camera().Project(in_camera);
-  Keypoint keypoint;
-  keypoint.x = keypoint.raw_x = static_cast<float>(pixel.x());
-  keypoint.y = keypoint.raw_y = static_cast<float>(pixel.y());
-  if (depth) {
-    keypoint.depth_m = static_cast<float>(in_camera.z());
-    keypoint.right_x = static_cast<float>(pixel.x() - Camera().Bf() / in_camera.z());
-  }
-  return keypoint;
-}
 
 // Keyframes that see the same points of the world, in the same order; the first kShared are points of the map already.
 struct Scene {
@@ -62,7 +42,7 @@ struct Scene {
   }
   KeyframeId Add(const Rigid3& pose, std::vector<Keypoint> keypoints) {
     const auto count = static_cast<std::uint32_t>(map.keyframes().size());
-    const auto data = std::make_shared<const FrameData>(Camera(), std::move(keypoints), descriptors);
+    const auto data = std::make_shared<const FrameData>(TestCamera(), std::move(keypoints), descriptors);
     const KeyframeId id = map.AddKeyframe(FrameId{count}, count, pose, data).id;
     for (std::uint32_t i = 0; i < kShared; ++i) {
       if (count == 0) {

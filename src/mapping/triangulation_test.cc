@@ -2,29 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include "testing/view.h"
+
 namespace rds {
 namespace {
-
-PinholeCamera Camera() {
-  PinholeCamera camera;
-  camera.fx = camera.fy = 500;
-  camera.cx = 320;
-  camera.cy = 240;
-  return camera;
-}
-
-Keypoint See(const Rigid3& camera_from_world, const Eigen::Vector3d& point, bool depth) {
-  const Eigen::Vector3d in_camera = camera_from_world * point;
-  const Eigen::Vector2d pixel = Camera().Project(in_camera);
-  Keypoint keypoint;
-  keypoint.x = static_cast<float>(pixel.x());
-  keypoint.y = static_cast<float>(pixel.y());
-  if (depth) {
-    keypoint.depth_m = static_cast<float>(in_camera.z());
-    keypoint.right_x = static_cast<float>(pixel.x() - Camera().Bf() / in_camera.z());
-  }
-  return keypoint;
-}
 
 const Rigid3 kLeft{};
 const Rigid3 kRight{ExpSo3({0, 0.05, 0}), {-0.4, 0.02, 0}};
@@ -33,7 +14,7 @@ const Eigen::Vector3d kPoint(0.3, -0.2, 2.5);
 TEST(Triangulation, FindsThePointFromTwoRays) {
   const Keypoint a = See(kLeft, kPoint, false);
   const Keypoint b = See(kRight, kPoint, false);
-  const auto found = TriangulatePoint(Camera(), ScalePyramid(), {&a, kLeft}, {&b, kRight});
+  const auto found = TriangulatePoint(TestCamera(), ScalePyramid(), {&a, kLeft}, {&b, kRight});
   ASSERT_TRUE(found.has_value());
   EXPECT_LT((*found - kPoint).norm(), 1e-4);
 }
@@ -42,24 +23,24 @@ TEST(Triangulation, TakesDepthWhereTheRaysAreNearlyParallel) {
   const Rigid3 near_left{Eigen::Quaterniond::Identity(), {-0.01, 0, 0}};
   const Keypoint a = See(kLeft, kPoint, true);
   const Keypoint b = See(near_left, kPoint, false);
-  const auto found = TriangulatePoint(Camera(), ScalePyramid(), {&a, kLeft}, {&b, near_left});
+  const auto found = TriangulatePoint(TestCamera(), ScalePyramid(), {&a, kLeft}, {&b, near_left});
   ASSERT_TRUE(found.has_value());
   EXPECT_LT((*found - kPoint).norm(), 1e-4);
   const Keypoint blind = See(kLeft, kPoint, false);
-  EXPECT_FALSE(TriangulatePoint(Camera(), ScalePyramid(), {&blind, kLeft}, {&b, near_left}).has_value());
+  EXPECT_FALSE(TriangulatePoint(TestCamera(), ScalePyramid(), {&blind, kLeft}, {&b, near_left}).has_value());
 }
 
 TEST(Triangulation, RefusesWhatDoesNotFit) {
   const Keypoint a = See(kLeft, kPoint, false);
   Keypoint off = See(kRight, kPoint, false);
   off.y += 10;
-  EXPECT_FALSE(TriangulatePoint(Camera(), ScalePyramid(), {&a, kLeft}, {&off, kRight}).has_value());
+  EXPECT_FALSE(TriangulatePoint(TestCamera(), ScalePyramid(), {&a, kLeft}, {&off, kRight}).has_value());
   Keypoint behind = See(kRight, kPoint, false);
   behind.x += 200;  // the rays meet behind the cameras
-  EXPECT_FALSE(TriangulatePoint(Camera(), ScalePyramid(), {&a, kLeft}, {&behind, kRight}).has_value());
+  EXPECT_FALSE(TriangulatePoint(TestCamera(), ScalePyramid(), {&a, kLeft}, {&behind, kRight}).has_value());
   Keypoint coarse = See(kRight, kPoint, false);
   coarse.octave = 7;  // seen far smaller than the distances say
-  EXPECT_FALSE(TriangulatePoint(Camera(), ScalePyramid(), {&a, kLeft}, {&coarse, kRight}).has_value());
+  EXPECT_FALSE(TriangulatePoint(TestCamera(), ScalePyramid(), {&a, kLeft}, {&coarse, kRight}).has_value());
 }
 
 }  // namespace

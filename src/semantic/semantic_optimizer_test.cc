@@ -9,6 +9,7 @@
 
 #include "base/random.h"
 #include "testing/matchers.h"
+#include "testing/view.h"
 
 namespace rds {
 namespace {
@@ -18,32 +19,13 @@ constexpr int kDynamicPoints = 40;
 constexpr std::uint32_t kPoints = kStaticPoints + kDynamicPoints;
 const Eigen::Vector3d kMove(0.1, 0.05, 0);  // of dynamic points since the map saw them
 
-PinholeCamera Camera() {
-  PinholeCamera camera;
-  camera.fx = camera.fy = 500;
-  camera.cx = 320;
-  camera.cy = 240;
-  return camera;
-}
-
-Keypoint See(const Rigid3& camera_from_world, const Eigen::Vector3d& point) {
-  const Eigen::Vector3d in_camera = camera_from_world * point;
-  const Eigen::Vector2d pixel = Camera().Project(in_camera);
-  Keypoint keypoint;
-  keypoint.x = keypoint.raw_x = static_cast<float>(pixel.x());
-  keypoint.y = keypoint.raw_y = static_cast<float>(pixel.y());
-  keypoint.depth_m = static_cast<float>(in_camera.z());
-  keypoint.right_x = static_cast<float>(pixel.x() - Camera().Bf() / in_camera.z());
-  return keypoint;
-}
-
 std::shared_ptr<const FrameData> Data(const Rigid3& camera_from_world, const std::vector<Eigen::Vector3d>& points) {
   std::vector<Keypoint> keypoints;
   for (const Eigen::Vector3d& point : points) {
     keypoints.push_back(See(camera_from_world, point));
   }
   std::vector<Descriptor> descriptors(keypoints.size());
-  return std::make_shared<const FrameData>(Camera(), std::move(keypoints), std::move(descriptors));
+  return std::make_shared<const FrameData>(TestCamera(), std::move(keypoints), std::move(descriptors));
 }
 
 // The root and a second keyframe whose pose in the map is off by 6 cm and 2 degrees. Both see all points; those from

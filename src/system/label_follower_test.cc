@@ -46,9 +46,9 @@ TEST(LabelFollowerTest, AnErrorOfItsThreadReachesTheCallerInsteadOfAHang) {
     PinholeCamera camera;
     camera.width = 640;
     camera.height = 480;
-    DepthGrid far_too_large{1000, 1000, std::vector<float>(1000000)};
+    DepthGrid without_samples{80, 60, {}};
     follower.Begin(std::make_shared<const FrameData>(camera, std::vector<Keypoint>(1), std::vector<Descriptor>(1),
-                                                     std::move(far_too_large)));
+                                                     std::move(without_samples)));
     EXPECT_THROW((void)follower.Get(), InvariantError);
   }
 }

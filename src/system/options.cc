@@ -129,7 +129,6 @@ void BindSemantic(SemanticOptions& options, OptionTable& table) {
             "lockstep: frames between a request and its labels");
   table.Int("semantic.features_with_people", options.features_with_people, 0, 10000,
             "keypoints wanted in a frame while the newest mask shows people, if more than orb.features");
-  table.Real("semantic.people_share", options.people_share, 0, 1, "share of the image that such a mask covers");
   MovingProbabilityOptions& probability = options.probability;
   table.Real("semantic.alpha", probability.alpha, 0.5, 0.999, "p(labelled dynamic | dynamic)");
   table.Real("semantic.beta", probability.beta, 0.5, 0.999, "p(labelled static | static)");

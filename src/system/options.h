@@ -38,7 +38,6 @@ struct SemanticOptions {
   double cancel_timeout_s = 2;   // for a back end to give up when asked to
   int features_with_people =
       2000;                       // keypoints wanted while the newest mask shows people: they take theirs from the room
-  double people_share = 0.01;     // of the image that such a mask covers
   int lockstep_delay_frames = 6;  // lockstep: frames between a request and its labels
   MovingProbabilityOptions probability;
   SemanticOptimizerOptions optimizer;

@@ -12,6 +12,8 @@
 namespace rds {
 namespace {
 
+constexpr double kPeopleShare = 0.01;  // of the image: a mask that covers more shows people
+
 // The keyframe made from a frame, if it is in the map.
 const Keyframe* FindByFrame(const Map& map, FrameId frame) {
   const auto& ids = map.keyframes();
@@ -132,9 +134,8 @@ void Pipeline::ApplyRound(const LabelledRound& round) {
       newest_labelled_.store(item.frame.value, std::memory_order_relaxed);
       const auto& pixels = round.masks[i].data;
       const auto dynamic = std::ranges::count_if(pixels, [](std::uint8_t value) { return value != 0; });
-      people_in_sight_.store(
-          static_cast<double>(dynamic) > options_.semantic.people_share * static_cast<double>(pixels.size()),
-          std::memory_order_relaxed);
+      people_in_sight_.store(static_cast<double>(dynamic) > kPeopleShare * static_cast<double>(pixels.size()),
+                             std::memory_order_relaxed);
       mask_.Publish(
           std::make_shared<const MaskView>(MaskView{item.frame, std::make_shared<const Image8>(round.masks[i])}));
     }

@@ -8,31 +8,13 @@
 #include <vector>
 
 #include "base/random.h"
+#include "testing/view.h"
 
 namespace rds {
 namespace {
 
 constexpr std::uint32_t kPoints = 30;
 constexpr double kWindowPx = 8;
-
-PinholeCamera Camera() {
-  PinholeCamera camera;
-  camera.fx = camera.fy = 500;
-  camera.cx = 320;
-  camera.cy = 240;
-  return camera;
-}
-
-Keypoint See(const Rigid3& camera_from_world, const Eigen::Vector3d& point) {
-  const Eigen::Vector3d in_camera = camera_from_world * point;
-  const Eigen::Vector2d pixel = Camera().Project(in_camera);
-  Keypoint keypoint;
-  keypoint.x = static_cast<float>(pixel.x());
-  keypoint.y = static_cast<float>(pixel.y());
-  keypoint.depth_m = static_cast<float>(in_camera.z());
-  keypoint.right_x = static_cast<float>(pixel.x() - Camera().Bf() / in_camera.z());
-  return keypoint;
-}
 
 // A map made from one keyframe at the origin, keypoint i showing point i, and a current frame a little aside whose
 // keypoints come in the opposite order. Tests change the keypoints and descriptors of the current frame.
@@ -51,12 +33,12 @@ struct Scene {
     std::vector<Eigen::Vector3d> points;
     std::vector<Keypoint> first;
     for (std::uint32_t i = 0; i < kPoints; ++i) {  // 80 px apart at least
-      points.push_back(Camera().Unproject({80.0 + 90 * (i % 6), 60.0 + 80 * (i / 6)}, random.Uniform(2, 3)));
+      points.push_back(TestCamera().Unproject({80.0 + 90 * (i % 6), 60.0 + 80 * (i / 6)}, random.Uniform(2, 3)));
       first.push_back(See({}, points.back()));
       keypoints.push_back(See(pose, points.back()));
       descriptors.push_back({random.Bits(), random.Bits(), random.Bits(), random.Bits()});
     }
-    last = std::make_shared<const FrameData>(Camera(), std::move(first), descriptors);
+    last = std::make_shared<const FrameData>(TestCamera(), std::move(first), descriptors);
     std::ranges::reverse(keypoints);
     Map built(pyramid);
     const KeyframeId id = built.AddKeyframe(FrameId{0}, 0, {}, last).id;
@@ -68,7 +50,7 @@ struct Scene {
   }
   static std::uint32_t KeypointOf(std::uint32_t point) { return kPoints - 1 - point; }
   Keypoint& Shows(std::uint32_t point) { return keypoints[KeypointOf(point)]; }
-  [[nodiscard]] FrameData Current() const { return {Camera(), keypoints, descriptors}; }
+  [[nodiscard]] FrameData Current() const { return {TestCamera(), keypoints, descriptors}; }
   [[nodiscard]] std::vector<PointMatch> SearchLast(const Rigid3& guess) const {
     std::vector<LastSighting> sightings;
     for (std::uint32_t i = 0; i < kPoints; ++i) {
@@ -133,7 +115,7 @@ TEST(SearchLastFrame, TheWindowGrowsWithTheOctave) {
   std::vector<Keypoint> coarse(scene.last->keypoints().begin(), scene.last->keypoints().end());
   const std::vector<Descriptor> same(scene.last->descriptors().begin(), scene.last->descriptors().end());
   coarse[1].octave = scene.Shows(1).octave = 3;
-  scene.last = std::make_shared<const FrameData>(Camera(), coarse, same);
+  scene.last = std::make_shared<const FrameData>(TestCamera(), coarse, same);
   EXPECT_EQ(Matched(scene.SearchLast(scene.pose)), AllBut({}));
 }
 
@@ -149,7 +131,7 @@ TEST(SearchLastFrame, TheCloserOfTwoPointsTakesAKeypoint) {
   moved.x[0] = moved.x[1];
   moved.y[0] = moved.y[1];
   moved.z[0] = moved.z[1];
-  const FrameData last(Camera(), same, looks);
+  const FrameData last(TestCamera(), same, looks);
   for (const auto& sightings : {std::vector<LastSighting>{{0, 0}, {1, 1}}, std::vector<LastSighting>{{1, 1}, {0, 0}}}) {
     EXPECT_EQ(Matched(SearchLastFrame(last, sightings, current, scene.pose, moved, scene.pyramid, kWindowPx)),
               (std::vector<std::uint32_t>{1}));

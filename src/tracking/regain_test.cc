@@ -8,30 +8,12 @@
 
 #include "base/random.h"
 #include "testing/matchers.h"
+#include "testing/view.h"
 
 namespace rds {
 namespace {
 
 constexpr std::uint32_t kPoints = 60;
-
-PinholeCamera Camera() {
-  PinholeCamera camera;
-  camera.fx = camera.fy = 500;
-  camera.cx = 320;
-  camera.cy = 240;
-  return camera;
-}
-
-Keypoint See(const Rigid3& camera_from_world, const Eigen::Vector3d& point) {
-  const Eigen::Vector3d in_camera = camera_from_world * point;
-  const Eigen::Vector2d pixel = Camera().Project(in_camera);
-  Keypoint keypoint;
-  keypoint.x = static_cast<float>(pixel.x());
-  keypoint.y = static_cast<float>(pixel.y());
-  keypoint.depth_m = static_cast<float>(in_camera.z());
-  keypoint.right_x = static_cast<float>(pixel.x() - Camera().Bf() / in_camera.z());
-  return keypoint;
-}
 
 // A map from one keyframe, whose keypoint 2 i shows point i (odd ones show nothing), and a frame far from it that
 // shows point i in keypoint i, everything turned by 90 degrees.
@@ -58,14 +40,14 @@ struct Scene {
       descriptors.push_back(looks[looks.size() - 2]);
     }
     Map built(pyramid);
-    const auto data = std::make_shared<const FrameData>(Camera(), std::move(first), std::move(looks));
+    const auto data = std::make_shared<const FrameData>(TestCamera(), std::move(first), std::move(looks));
     const KeyframeId id = built.AddKeyframe(FrameId{0}, 0, {}, data).id;
     for (std::uint32_t i = 0; i < kPoints; ++i) {
       built.AddPoint(points[i], id, 2 * i);
     }
     map = BuildLocalMap(built, id, {});
   }
-  [[nodiscard]] FrameData Current() const { return {Camera(), keypoints, descriptors}; }
+  [[nodiscard]] FrameData Current() const { return {TestCamera(), keypoints, descriptors}; }
   // Keypoint i with point i, but for the last `outliers`, which are matched to one another in a circle.
   [[nodiscard]] static std::vector<PointMatch> Matches(std::uint32_t outliers) {
     std::vector<PointMatch> matches;

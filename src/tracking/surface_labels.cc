@@ -17,7 +17,7 @@ static_assert(kDepthGridStep == 8);
 void SurfaceLabels::Start(const DepthGrid& grid) {
   columns_ = grid.columns + 2;
   const auto size = static_cast<std::size_t>(columns_ * (grid.rows + 2));
-  Check(size <= 65535, "a depth grid of at most 65535 samples");
+  Check(std::ssize(grid.depth_m) == grid.columns * grid.rows, "a depth for each sample of the grid");
   depth_m_.assign(size, 0.0F);
   for (int row = 0; row < grid.rows; ++row) {
     std::copy_n(grid.depth_m.begin() + row * grid.columns, grid.columns, depth_m_.begin() + (row + 1) * columns_ + 1);

@@ -40,7 +40,7 @@ class SurfaceLabels {
   [[nodiscard]] std::optional<SurfaceLabel> At(const Keypoint& keypoint) const;
 
  private:
-  using Cell = std::uint16_t;
+  using Cell = std::uint32_t;
   struct State {
     std::uint16_t distance_px = kMostReach;
     bool dynamic = false;

@@ -100,6 +100,15 @@ TEST(SurfaceLabelsTest, TheNearestLabelWinsWhateverTheOrder) {
   }
 }
 
+TEST(SurfaceLabelsTest, TakesTheGridOfALargeImage) {
+  SurfaceLabels labels(Reach(50));
+  labels.Start({480, 270, std::vector<float>(std::size_t{480} * 270, 2.0F)});  // 3840 x 2160
+  labels.Add(At(470, 260, 2), {true, 0});
+  labels.Spread();
+  EXPECT_TRUE(labels.At(At(475, 260, 2)));
+  EXPECT_FALSE(labels.At(At(5, 5, 2)));
+}
+
 TEST(SurfaceLabelsTest, StartForgets) {
   SurfaceLabels labels({});
   labels.Start(Plane(2));

@@ -1,0 +1,34 @@
+// What a camera of tests sees of a point.
+#pragma once
+
+#include "feature/frame_data.h"
+#include "geometry/camera.h"
+#include "geometry/rigid3.h"
+
+namespace rds {
+
+// 640 x 480 pixels, 500 pixels of focal length, no distortion.
+inline PinholeCamera TestCamera() {
+  PinholeCamera camera;
+  camera.fx = camera.fy = 500;
+  camera.cx = 320;
+  camera.cy = 240;
+  return camera;
+}
+
+// The exact keypoint that TestCamera has of a point in the world, with or without its depth; octave and angle 0.
+inline Keypoint See(const Rigid3& camera_from_world, const Eigen::Vector3d& point, bool depth = true) {
+  const PinholeCamera camera = TestCamera();
+  const Eigen::Vector3d in_camera = camera_from_world * point;
+  const Eigen::Vector2d pixel = camera.Project(in_camera);
+  Keypoint keypoint;
+  keypoint.x = keypoint.raw_x = static_cast<float>(pixel.x());
+  keypoint.y = keypoint.raw_y = static_cast<float>(pixel.y());
+  if (depth) {
+    keypoint.depth_m = static_cast<float>(in_camera.z());
+    keypoint.right_x = static_cast<float>(pixel.x() - camera.Bf() / in_camera.z());
+  }
+  return keypoint;
+}
+
+}  // namespace rds
