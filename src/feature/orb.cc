@@ -83,10 +83,6 @@ void Undistort(const PinholeCamera& camera, std::vector<Keypoint>& keypoints) {
   }
 }
 
-void CheckFeatures(int features) {
-  Check(features >= 0 && features < std::numeric_limits<std::uint16_t>::max(), "fewer than 65535 features");
-}
-
 }  // namespace
 
 struct OrbExtractor::Impl {
@@ -103,6 +99,7 @@ struct OrbExtractor::Impl {
   FastDetector detector;
   CornerSelector selector;
   std::vector<Corner> corners;
+  std::vector<Corner> moving_corners;
 
   explicit Impl(const OrbOptions& options_)
       : options(options_),
@@ -111,11 +108,39 @@ struct OrbExtractor::Impl {
         levels(static_cast<std::size_t>(options_.levels)),
         shrinkers(static_cast<std::size_t>(options_.levels)) {}
 
-  void ExtractLevel(std::size_t level, std::vector<Keypoint>& keypoints, std::vector<Descriptor>& descriptors);
+  void ExtractLevel(std::size_t level, std::span<const std::uint8_t> moving, std::vector<Keypoint>& keypoints,
+                    std::vector<Descriptor>& descriptors);
+  void Select(std::size_t level, std::span<const std::uint8_t> moving);
 };
 
-void OrbExtractor::Impl::ExtractLevel(std::size_t level, std::vector<Keypoint>& keypoints,
-                                      std::vector<Descriptor>& descriptors) {
+// Leaves the corners of a level that become keypoints.
+void OrbExtractor::Impl::Select(std::size_t level, std::span<const std::uint8_t> moving) {
+  const int width = levels[level].width();
+  const int height = levels[level].height();
+  selector.DropWeak(width, height, static_cast<std::uint8_t>(options.fast_threshold), corners);
+  moving_corners.clear();
+  if (!moving.empty()) {
+    const int columns = levels[0].width() / kDepthGridStep;
+    const int rows = levels[0].height() / kDepthGridStep;
+    const float cells_per_px = pyramid.scale[level] / kDepthGridStep;
+    std::erase_if(corners, [&](const Corner& corner) {
+      const int column = std::min(static_cast<int>(static_cast<float>(corner.x) * cells_per_px), columns - 1);
+      const int row = std::min(static_cast<int>(static_cast<float>(corner.y) * cells_per_px), rows - 1);
+      const bool moves = moving[static_cast<std::size_t>(row * columns + column)] != 0;
+      if (moves) {
+        moving_corners.push_back(corner);
+      }
+      return moves;
+    });
+  }
+  selector.Spread(width, height, features_per_level[level], corners);
+  const double moving_wanted = options.moving_share * static_cast<double>(features_per_level[level]);
+  selector.Spread(width, height, static_cast<std::size_t>(std::lround(moving_wanted)), moving_corners);
+  corners.insert(corners.end(), moving_corners.begin(), moving_corners.end());
+}
+
+void OrbExtractor::Impl::ExtractLevel(std::size_t level, std::span<const std::uint8_t> moving,
+                                      std::vector<Keypoint>& keypoints, std::vector<Descriptor>& descriptors) {
   const GreyPlane& image = levels[level];
   const int inner_width = image.width() - 2 * kBorder;
   const int inner_height = image.height() - 2 * kBorder;
@@ -123,8 +148,7 @@ void OrbExtractor::Impl::ExtractLevel(std::size_t level, std::vector<Keypoint>& 
     return;
   }
   detector.Detect(image, static_cast<std::uint8_t>(options.min_fast_threshold), kBorder, corners);
-  selector.DropWeak(image.width(), image.height(), static_cast<std::uint8_t>(options.fast_threshold), corners);
-  selector.Spread(image.width(), image.height(), features_per_level[level], corners);
+  Select(level, moving);
   if (corners.empty()) {
     return;
   }
@@ -144,7 +168,9 @@ void OrbExtractor::Impl::ExtractLevel(std::size_t level, std::vector<Keypoint>& 
 }
 
 OrbExtractor::OrbExtractor(const OrbOptions& options) {
-  CheckFeatures(options.features);
+  Check(options.features >= 0 &&
+            options.features * (1 + options.moving_share) < std::numeric_limits<std::uint16_t>::max(),
+        "fewer than 65535 features");
   Check(options.levels > 0 && options.levels <= 255 && options.scale_factor > 1 && options.scale_factor <= 4,
         "a pyramid has levels that shrink, by at most 4");
   Check(options.min_fast_threshold >= 0 && options.min_fast_threshold <= options.fast_threshold &&
@@ -155,23 +181,18 @@ OrbExtractor::OrbExtractor(const OrbOptions& options) {
 
 OrbExtractor::~OrbExtractor() = default;
 
-void OrbExtractor::SetFeatures(int features) {
-  if (features != impl_->options.features) {
-    CheckFeatures(features);
-    impl_->options.features = features;
-    impl_->features_per_level = FeaturesPerLevel(impl_->options);
-  }
-}
-
 const ScalePyramid& OrbExtractor::pyramid() const { return impl_->pyramid; }
 
-FrameData OrbExtractor::Extract(const PinholeCamera& camera, const Image8& image, const Image16& depth) {
+FrameData OrbExtractor::Extract(const PinholeCamera& camera, const Image8& image, const Image16& depth,
+                                std::span<const std::uint8_t> moving) {
   Check(image.width == camera.width && image.height == camera.height && (image.channels == 1 || image.channels == 3),
         "a grey or BGR image of the camera's size");
   Check(depth.width == camera.width && depth.height == camera.height && depth.channels == 1,
         "a depth image of the camera's size");
   Check(std::max(image.width, image.height) <= std::numeric_limits<std::int16_t>::max(),
         "an image of at most 32767 pixels a side");
+  Check(moving.empty() || std::ssize(moving) == (image.width / kDepthGridStep) * (image.height / kDepthGridStep),
+        "a mark for each sample of the depth grid");
   std::vector<Keypoint> keypoints;
   std::vector<Descriptor> descriptors;
   keypoints.reserve(static_cast<std::size_t>(impl_->options.features));
@@ -185,7 +206,7 @@ FrameData OrbExtractor::Extract(const PinholeCamera& camera, const Image8& image
       }
       impl_->shrinkers[level].Shrink(larger, impl_->options.scale_factor, impl_->levels[level]);
     }
-    impl_->ExtractLevel(level, keypoints, descriptors);
+    impl_->ExtractLevel(level, moving, keypoints, descriptors);
   }
   Undistort(camera, keypoints);
   LookUpDepth(camera, depth, keypoints);

@@ -1,7 +1,9 @@
 // ORB features: pyramid, FAST corners spread evenly over the image, orientation, rotated BRIEF descriptors.
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <span>
 
 #include "base/image.h"
 #include "feature/frame_data.h"
@@ -14,6 +16,7 @@ struct OrbOptions {
   double scale_factor = 1.2;   // between levels
   int fast_threshold = 20;     // grey values
   int min_fast_threshold = 7;  // used in cells where the first threshold finds nothing
+  double moving_share = 0.5;   // of `features`: keypoints wanted in addition where something moves
 };
 
 // Extracts ORB features (Rublee et al., "ORB: an efficient alternative to SIFT or SURF", ICCV 2011) and looks up their
@@ -27,12 +30,12 @@ class OrbExtractor {
 
   [[nodiscard]] const ScalePyramid& pyramid() const;
 
-  // Changes the number of keypoints wanted from the next frame on.
-  void SetFeatures(int features);
-
   // Features of a frame; `image` is grey or BGR, both images have the camera's size (else InvariantError). Never throws
-  // on image content: a black image gives no features.
-  [[nodiscard]] FrameData Extract(const PinholeCamera& camera, const Image8& image, const Image16& depth);
+  // on image content: a black image gives no features. `moving` marks the samples of the depth grid (1 each, or none at
+  // all) around which something moves: corners there have a budget of their own, so that people take no features from
+  // the room behind them.
+  [[nodiscard]] FrameData Extract(const PinholeCamera& camera, const Image8& image, const Image16& depth,
+                                  std::span<const std::uint8_t> moving = {});
 
  private:
   struct Impl;

@@ -128,22 +128,35 @@ TEST(OrbExtractor, SpreadsFeaturesOverTheImage) {
   }
 }
 
-TEST(OrbExtractor, SetFeaturesIsAsIfMadeWithThem) {
-  const cv::Mat image = Textured(640, 480, 2);
-  OrbExtractor extractor(Thousand());
-  const auto extract = [&] { return extractor.Extract(CameraOf(640, 480), ToImage(image), Image16(640, 480)); };
-  EXPECT_LE(extract().size(), 1000U);
-  extractor.SetFeatures(2000);
-  OrbOptions options;
-  options.features = 2000;
-  const FrameData changed = extract();
-  const FrameData made = ExtractFrom(image, options);
-  ASSERT_EQ(changed.size(), made.size());
-  EXPECT_GT(changed.size(), 1500U);
-  for (std::size_t i = 0; i < made.size(); ++i) {
-    EXPECT_EQ(changed.descriptors()[i], made.descriptors()[i]);
+// Marks for all samples of the depth grid left of a column of the image.
+std::vector<std::uint8_t> MovingLeftOf(int x, int width, int height) {
+  const int columns = width / kDepthGridStep;
+  std::vector<std::uint8_t> moving;
+  for (int i = 0; i < columns * (height / kDepthGridStep); ++i) {
+    moving.push_back(i % columns * kDepthGridStep < x ? 1 : 0);
   }
-  EXPECT_THROW(extractor.SetFeatures(-1), InvariantError);
+  return moving;
+}
+
+TEST(OrbExtractor, WhatMovesTakesNoFeaturesFromTheRest) {
+  OrbOptions options;
+  options.features = 600;
+  options.moving_share = 0.25;
+  OrbExtractor extractor(options);
+  const cv::Mat image = Textured(640, 480, 2);
+  const auto count_left = [&](std::span<const std::uint8_t> moving) {
+    const FrameData frame = extractor.Extract(CameraOf(640, 480), ToImage(image), Image16(640, 480), moving);
+    const auto left = std::ranges::count_if(frame.keypoints(), [](const Keypoint& k) { return k.raw_x < 318; });
+    return std::pair(static_cast<int>(left), static_cast<int>(frame.size()) - static_cast<int>(left));
+  };
+  const auto [left_before, right_before] = count_left({});
+  EXPECT_GT(left_before, 240);
+  const auto [left, right] = count_left(MovingLeftOf(320, 640, 480));
+  EXPECT_GT(right, 570);  // but for what the coarse levels cannot give
+  EXPECT_LE(right, 600 + 8);
+  EXPECT_GT(left, 140);
+  EXPECT_LE(left, 150 + 8);
+  EXPECT_THROW(count_left(std::vector<std::uint8_t>(7)), InvariantError);
 }
 
 TEST(OrbExtractor, FillsAllLevels) {

@@ -56,8 +56,10 @@ void BindTracks(FeatureTrackOptions& options, OptionTable& table) {
             "a new track starts where none is in a square of this size, pixels");
   table.Int("tracks.frame_cost_px", options.frame_cost_px, 0, SurfaceLabels::kMostReach,
             "a label handed on to the next frame is as if so much farther away, pixels");
-  table.Int("tracks.reach_px", options.surface.reach_px, 1, SurfaceLabels::kMostReach - 1,
-            "how far a label spreads over a surface, pixels");
+  table.Int("tracks.dynamic_reach_px", options.surface.dynamic_reach_px, 1, SurfaceLabels::kMostReach - 1,
+            "how far a label of what moves spreads over a surface, pixels");
+  table.Int("tracks.static_reach_px", options.surface.static_reach_px, 1, SurfaceLabels::kMostReach - 1,
+            "how far a label of what does not move spreads over a surface, pixels");
   table.Real("tracks.step_depth", options.surface.step_depth, 0, 1,
              "neighbouring samples on a surface differ in depth by at most this share");
 }
@@ -127,8 +129,6 @@ void BindSemantic(SemanticOptions& options, OptionTable& table) {
   table.Real("semantic.cancel_timeout_s", options.cancel_timeout_s, 0, 3600, "time for a back end to give up, seconds");
   table.Int("semantic.lockstep_delay_frames", options.lockstep_delay_frames, 0, 100000,
             "lockstep: frames between a request and its labels");
-  table.Int("semantic.features_with_people", options.features_with_people, 0, 10000,
-            "keypoints wanted in a frame while the newest mask shows people, if more than orb.features");
   MovingProbabilityOptions& probability = options.probability;
   table.Real("semantic.alpha", probability.alpha, 0.5, 0.999, "p(labelled dynamic | dynamic)");
   table.Real("semantic.beta", probability.beta, 0.5, 0.999, "p(labelled static | static)");
@@ -166,6 +166,8 @@ void BindOrb(OrbOptions& options, OptionTable& table) {
   table.Int("orb.fast_threshold", options.fast_threshold, 1, 255, "contrast of a FAST corner, in grey values");
   table.Int("orb.min_fast_threshold", options.min_fast_threshold, 1, 255,
             "contrast used where orb.fast_threshold finds nothing, in grey values");
+  table.Real("orb.moving_share", options.moving_share, 0, 10,
+             "keypoints wanted in addition where something moves, as a share of orb.features");
 }
 
 void BindPose(PoseOptimizerOptions& options, OptionTable& table) {

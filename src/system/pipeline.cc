@@ -12,8 +12,6 @@
 namespace rds {
 namespace {
 
-constexpr double kPeopleShare = 0.01;  // of the image: a mask that covers more shows people
-
 // The keyframe made from a frame, if it is in the map.
 const Keyframe* FindByFrame(const Map& map, FrameId frame) {
   const auto& ids = map.keyframes();
@@ -132,10 +130,6 @@ void Pipeline::ApplyRound(const LabelledRound& round) {
                      0};
     if (newest_labelled() < static_cast<std::int64_t>(item.frame.value)) {
       newest_labelled_.store(item.frame.value, std::memory_order_relaxed);
-      const auto& pixels = round.masks[i].data;
-      const auto dynamic = std::ranges::count_if(pixels, [](std::uint8_t value) { return value != 0; });
-      people_in_sight_.store(static_cast<double>(dynamic) > kPeopleShare * static_cast<double>(pixels.size()),
-                             std::memory_order_relaxed);
       mask_.Publish(
           std::make_shared<const MaskView>(MaskView{item.frame, std::make_shared<const Image8>(round.masks[i])}));
     }

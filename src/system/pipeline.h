@@ -61,8 +61,6 @@ class Pipeline {
   [[nodiscard]] MaskView ViewMask() const;
   // Newest frame that has been labelled; -1 before the first.
   [[nodiscard]] std::int64_t newest_labelled() const { return newest_labelled_.load(std::memory_order_relaxed); }
-  // Whether the newest mask shows people.
-  [[nodiscard]] bool people_in_sight() const { return people_in_sight_.load(std::memory_order_relaxed); }
   // The newest frame that tracking has begun, for the events' sake.
   void SetCurrentFrame(FrameId frame) { current_frame_.store(frame.value, std::memory_order_relaxed); }
 
@@ -92,7 +90,6 @@ class Pipeline {
   Published<LocalMap> local_map_;
   Published<MaskView> mask_;
   std::atomic<std::int64_t> newest_labelled_ = -1;
-  std::atomic<bool> people_in_sight_ = false;
   std::atomic<std::uint32_t> current_frame_ = 0;
 };
 

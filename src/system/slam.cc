@@ -137,6 +137,7 @@ class Slam::Impl {
   Tracker tracker_;
   std::optional<LabelFollower> follower_;  // none if nothing asks for labels
   std::vector<TrajectoryEntry> entries_;
+  std::vector<std::uint8_t> moving_;  // where something moved in the last frame, for the extractor
   std::uint32_t next_frame_ = 0;
   std::uint32_t processed_ = 0;
   std::optional<double> last_timestamp_s_;
@@ -224,15 +225,16 @@ FrameResult Slam::Impl::Process(const RgbdFrame& frame) {
   if (options_.system.lockstep) {
     StepSemantics(result.frame);
   }
-  extractor_.SetFeatures(shared_->pipeline.people_in_sight()
-                             ? std::max(options_.orb.features, options_.semantic.features_with_people)
-                             : options_.orb.features);
-  auto data = std::make_shared<const FrameData>(extractor_.Extract(camera_, *frame.image, *frame.depth));
+  auto data = std::make_shared<const FrameData>(extractor_.Extract(camera_, *frame.image, *frame.depth, moving_));
   result.timing.extraction_ms = watch.Milliseconds();
   Tracker::LabelSource labels;
   if (follower_) {
     follower_->Begin(data);
-    labels = [this] { return follower_->Get(); };
+    labels = [this] {
+      KeypointLabels found = follower_->Get();
+      moving_ = std::move(found.moving);
+      return found;
+    };
   }
   const TrackOutcome outcome =
       tracker_.Track(result.frame, frame.timestamp_s, data, shared_->pipeline.CurrentLocalMap(), Status(), labels);

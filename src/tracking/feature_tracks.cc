@@ -1,6 +1,7 @@
 #include "tracking/feature_tracks.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "feature/matching.h"
@@ -11,6 +12,12 @@ namespace {
 // Moving probability of what is dynamic for sure and of what a label just about reaches; static ones mirror them.
 constexpr double kNear = 0.88;
 constexpr double kFar = 0.62;
+constexpr float kDepthStep = 0.1F;  // share by which the depth of a track may change from frame to frame
+
+// Whether a keypoint can have become the other one since the last frame, by depth.
+bool OnOneSurface(const Keypoint& last, const Keypoint& now) {
+  return !last.HasDepth() || !now.HasDepth() || std::abs(last.depth_m - now.depth_m) < kDepthStep * last.depth_m;
+}
 
 }  // namespace
 
@@ -19,7 +26,7 @@ KeypointLabels FeatureTracks::Follow(std::shared_ptr<const FrameData> frame, Mov
   ContinueTracks(std::move(frame));
   StartTracks(labels);
   std::vector<double> probabilities = SpreadLabels(labels, options);
-  return {ids_, std::move(probabilities)};
+  return {ids_, std::move(probabilities), surface_.Moving()};
 }
 
 void FeatureTracks::ContinueTracks(std::shared_ptr<const FrameData> frame) {
@@ -34,7 +41,8 @@ void FeatureTracks::ContinueTracks(std::shared_ptr<const FrameData> frame) {
                                       {old.x + track.flow_x, old.y + track.flow_y, -1,
                                        static_cast<float>(options_.window_px), old.octave - 1, old.octave + 1},
                                       frame_->descriptors()[track.keypoint]);
-      if (best.keypoint >= 0 && best.distance <= kStrictDistance) {
+      if (best.keypoint >= 0 && best.distance <= kStrictDistance &&
+          OnOneSurface(old, frame->keypoints()[static_cast<std::size_t>(best.keypoint)])) {
         set.Add({static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(best.keypoint), best.distance});
       }
     }
@@ -100,7 +108,7 @@ std::vector<double> FeatureTracks::SpreadLabels(const MovingProbabilities& label
   for (std::size_t i = 0; i < keypoints.size(); ++i) {
     if (result[i] == kUnknownProbability) {
       if (const auto label = surface_.At(keypoints[i])) {
-        const double p = kNear + (kFar - kNear) * label->distance_px / options_.surface.reach_px;
+        const double p = kNear + (kFar - kNear) * label->distance_px / surface_.Reach(label->dynamic);
         result[i] = label->dynamic ? p : 1 - p;
       }
     }

@@ -25,6 +25,7 @@ struct FeatureTrackOptions {
 struct KeypointLabels {
   std::vector<PointId> tracks;        // image-space track of each keypoint; invalid where there is none
   std::vector<double> probabilities;  // moving probability of each keypoint
+  std::vector<std::uint8_t> moving;   // 1 for each sample of the depth grid where something moves; empty if nothing
 };
 
 // Follows keypoints from frame to frame by appearance alone, whatever moves: a person's features keep their tracks

@@ -26,7 +26,7 @@ struct Scene {
   std::vector<bool> on_person;  // of each keypoint
 };
 
-Scene MakeScene(float wall_x, float person_x, int without_descriptors_of = -1) {
+Scene MakeScene(float wall_x, float person_x, int without_descriptors_of = -1, float person_depth = kPersonDepth) {
   Random random(7);
   std::vector<Keypoint> keypoints;
   std::vector<Descriptor> descriptors;
@@ -45,7 +45,7 @@ Scene MakeScene(float wall_x, float person_x, int without_descriptors_of = -1) {
         keypoint.y = y;
         keypoint.raw_x = keypoint.x;
         keypoint.raw_y = keypoint.y;
-        keypoint.depth_m = person ? kPersonDepth : kWallDepth;
+        keypoint.depth_m = person ? person_depth : kWallDepth;
         if (!here || keypoint.x >= 640 || (!person && on_person(keypoint.x))) {
           continue;
         }
@@ -62,7 +62,7 @@ Scene MakeScene(float wall_x, float person_x, int without_descriptors_of = -1) {
   DepthGrid grid{640 / kDepthGridStep, 480 / kDepthGridStep, {}};
   for (int row = 0; row < grid.rows; ++row) {
     for (int column = 0; column < grid.columns; ++column) {
-      grid.depth_m.push_back(on_person(static_cast<float>(column * kDepthGridStep + 4)) ? kPersonDepth : kWallDepth);
+      grid.depth_m.push_back(on_person(static_cast<float>(column * kDepthGridStep + 4)) ? person_depth : kWallDepth);
     }
   }
   scene.frame = std::make_shared<const FrameData>(Camera(), keypoints, descriptors, grid);
@@ -121,7 +121,9 @@ TEST(FeatureTracksTest, ALateLabelReachesThePersonWhereItIsNow) {
 }
 
 TEST(FeatureTracksTest, ALabelOutlivesTheTracksThatBroughtIt) {
-  FeatureTracks tracks({});
+  FeatureTrackOptions options;
+  options.surface.dynamic_reach_px = 100;
+  FeatureTracks tracks(options);
   MovingProbabilities table;
   Scene scene = MakeScene(0, 0);
   KeypointLabels labels = tracks.Follow(scene.frame, table, {});
@@ -154,7 +156,8 @@ TEST(FeatureTracksTest, ALabelOutlivesTheTracksThatBroughtIt) {
 
 TEST(FeatureTracksTest, ATrackThatIsNotFoundStartsAnewWithoutALabel) {
   FeatureTrackOptions options;
-  options.surface.reach_px = 1;
+  options.surface.dynamic_reach_px = 1;
+  options.surface.static_reach_px = 1;
   FeatureTracks tracks(options);
   MovingProbabilities table;
   const Scene first = MakeScene(0, 0);
@@ -165,6 +168,23 @@ TEST(FeatureTracksTest, ATrackThatIsNotFoundStartsAnewWithoutALabel) {
   EXPECT_EQ(Count(labels, scene, true, PointState::kUnknown), CountPerson(scene));
   EXPECT_EQ(Count(labels, scene, false, PointState::kStatic),
             static_cast<int>(scene.frame->size()) - CountPerson(scene));
+}
+
+TEST(FeatureTracksTest, ATrackDoesNotJumpInDepth) {
+  FeatureTrackOptions options;
+  options.surface.dynamic_reach_px = 1;
+  options.surface.static_reach_px = 1;
+  const auto dynamic_at = [&](float depth_m) {
+    FeatureTracks tracks(options);
+    MovingProbabilities table;
+    const Scene first = MakeScene(0, 0);
+    Label(first, tracks.Follow(first.frame, table, {}), table);
+    const Scene scene = MakeScene(0, 0, -1, depth_m);
+    return Count(tracks.Follow(scene.frame, table, {}), scene, true, PointState::kDynamic);
+  };
+  EXPECT_EQ(dynamic_at(1.05F * kPersonDepth), CountPerson(MakeScene(0, 0)));
+  EXPECT_EQ(dynamic_at(1.5F * kPersonDepth), 0);
+  EXPECT_EQ(dynamic_at(0), CountPerson(MakeScene(0, 0)));  // without depth, appearance decides
 }
 
 TEST(FeatureTracksTest, TracksKeepTheirDistance) {

@@ -45,7 +45,7 @@ std::optional<SurfaceLabels::Cell> SurfaceLabels::Find(const Keypoint& keypoint)
 
 void SurfaceLabels::Offer(Cell cell, int distance_px, bool dynamic) {
   State& state = cells_[cell];
-  if (distance_px < state.distance_px && distance_px < options_.reach_px) {
+  if (distance_px < state.distance_px && distance_px < Reach(dynamic)) {
     state = {static_cast<std::uint16_t>(distance_px), dynamic};
     queue_[static_cast<std::size_t>(distance_px)].push_back(cell);
   }
@@ -60,7 +60,7 @@ void SurfaceLabels::Add(const Keypoint& keypoint, const SurfaceLabel& label) {
 // Dijkstra with a bucket for each distance.
 void SurfaceLabels::Spread() {
   const auto share = static_cast<float>(options_.step_depth);
-  for (int distance_px = 0; distance_px < options_.reach_px; ++distance_px) {
+  for (int distance_px = 0; distance_px < kMostReach; ++distance_px) {
     std::vector<Cell>& bucket = queue_[static_cast<std::size_t>(distance_px)];
     for (const Cell cell : bucket) {  // what is offered goes into later buckets
       const State state = cells_[cell];
@@ -91,10 +91,30 @@ void SurfaceLabels::Spread() {
 
 std::optional<SurfaceLabel> SurfaceLabels::At(const Keypoint& keypoint) const {
   const auto cell = Find(keypoint);
-  if (!cell || cells_[*cell].distance_px >= options_.reach_px) {
+  if (!cell || cells_[*cell].distance_px >= kMostReach) {
     return std::nullopt;
   }
   return SurfaceLabel{cells_[*cell].dynamic, cells_[*cell].distance_px};
+}
+
+std::vector<std::uint8_t> SurfaceLabels::Moving() const {
+  const int columns = columns_ - 2;
+  const int rows = static_cast<int>(cells_.size()) / columns_ - 2;
+  std::vector<std::uint8_t> moving;
+  for (int row = 0; row < rows; ++row) {
+    for (int column = 0; column < columns; ++column) {
+      if (!cells_[static_cast<std::size_t>((row + 1) * columns_ + column + 1)].dynamic) {
+        continue;
+      }
+      moving.resize(static_cast<std::size_t>(rows * columns));
+      for (int y = std::max(row - 1, 0); y <= std::min(row + 1, rows - 1); ++y) {
+        for (int x = std::max(column - 1, 0); x <= std::min(column + 1, columns - 1); ++x) {
+          moving[static_cast<std::size_t>(y * columns + x)] = 1;
+        }
+      }
+    }
+  }
+  return moving;
 }
 
 }  // namespace rds

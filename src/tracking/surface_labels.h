@@ -12,8 +12,9 @@
 namespace rds {
 
 struct SurfaceLabelOptions {
-  int reach_px = 100;        // how far a label spreads over a surface, below kMostReach
-  double step_depth = 0.03;  // neighbouring samples on a surface differ in depth by at most this share
+  int dynamic_reach_px = 255;  // how far a label of what moves spreads over a surface, below kMostReach
+  int static_reach_px = 100;   // and one of what does not
+  double step_depth = 0.03;    // neighbouring samples on a surface differ in depth by at most this share
 };
 
 // What a place is said to be, and how far the keypoint is whose label says so.
@@ -31,6 +32,8 @@ class SurfaceLabels {
 
   explicit SurfaceLabels(const SurfaceLabelOptions& options) : options_(options) {}
 
+  // How far a label spreads.
+  [[nodiscard]] int Reach(bool dynamic) const { return dynamic ? options_.dynamic_reach_px : options_.static_reach_px; }
   // Forgets everything and takes the surfaces of a frame.
   void Start(const DepthGrid& grid);
   // A labelled keypoint; without depth it has no place on a surface and is ignored.
@@ -38,6 +41,8 @@ class SurfaceLabels {
   void Spread();
   // The label of a keypoint's place; nothing where none reaches it or the keypoint has no depth.
   [[nodiscard]] std::optional<SurfaceLabel> At(const Keypoint& keypoint) const;
+  // A mark for each sample of the grid: 1 where it or a neighbour is dynamic. Nothing where none is.
+  [[nodiscard]] std::vector<std::uint8_t> Moving() const;
 
  private:
   using Cell = std::uint32_t;

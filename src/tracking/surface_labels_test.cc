@@ -22,7 +22,8 @@ void FillColumn(DepthGrid& grid, int column, float depth_m) {
 
 SurfaceLabelOptions Reach(int reach_px) {
   SurfaceLabelOptions options;
-  options.reach_px = reach_px;
+  options.dynamic_reach_px = reach_px;
+  options.static_reach_px = reach_px;
   return options;
 }
 
@@ -97,6 +98,40 @@ TEST(SurfaceLabelsTest, TheNearestLabelWinsWhateverTheOrder) {
     labels.Spread();
     EXPECT_TRUE(labels.At(At(6, 5, 1.5))->dynamic);
     EXPECT_FALSE(labels.At(At(8, 5, 1.5))->dynamic);
+  }
+}
+
+TEST(SurfaceLabelsTest, EachKindOfLabelHasItsOwnReach) {
+  SurfaceLabelOptions options;
+  options.dynamic_reach_px = 60;
+  options.static_reach_px = 20;
+  SurfaceLabels labels(options);
+  labels.Start(Plane(1.5));
+  labels.Add(At(2, 2, 1.5), {true, 0});
+  labels.Add(At(18, 8, 1.5), {false, 0});
+  labels.Spread();
+  EXPECT_TRUE(labels.At(At(9, 2, 1.5)));    // 56 px
+  EXPECT_FALSE(labels.At(At(10, 2, 1.5)));  // 64 px
+  EXPECT_TRUE(labels.At(At(16, 8, 1.5)));   // 16 px
+  EXPECT_FALSE(labels.At(At(15, 8, 1.5)));  // 24 px
+}
+
+TEST(SurfaceLabelsTest, TellsWhereSomethingMoves) {
+  SurfaceLabels labels(Reach(12));
+  labels.Start(Plane(1.5));
+  labels.Add(At(15, 5, 1.5), {false, 0});
+  labels.Spread();
+  EXPECT_TRUE(labels.Moving().empty());
+  labels.Add(At(0, 0, 1.5), {true, 0});
+  labels.Spread();
+  const std::vector<std::uint8_t> moving = labels.Moving();
+  ASSERT_EQ(std::ssize(moving), kColumns * kRows);
+  for (int row = 0; row < kRows; ++row) {
+    for (int column = 0; column < kColumns; ++column) {
+      // The label reaches 8 or 11 px, and its neighbours are marked as well.
+      EXPECT_EQ(moving[static_cast<std::size_t>(row * kColumns + column)], row <= 2 && column <= 2 ? 1 : 0)
+          << row << ", " << column;
+    }
   }
 }
 
