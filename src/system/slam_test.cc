@@ -33,21 +33,22 @@ SyntheticOptions SmallWorld(SyntheticScenario scenario) {
   return options;
 }
 
+std::vector<SyntheticFrame> Rendered(const SyntheticOptions& options) {
+  const SyntheticWorld world(options);
+  std::vector<SyntheticFrame> frames;
+  for (int i = 0; i < world.frame_count(); ++i) {
+    frames.push_back(world.Render(i));
+  }
+  return frames;
+}
+
 // Rendered once for all tests.
 const std::vector<SyntheticFrame>& Frames(SyntheticScenario scenario) {
-  static const auto render = [](SyntheticScenario s) {
-    const SyntheticWorld world(SmallWorld(s));
-    std::vector<SyntheticFrame> frames;
-    for (int i = 0; i < world.frame_count(); ++i) {
-      frames.push_back(world.Render(i));
-    }
-    return frames;
-  };
   if (scenario == SyntheticScenario::kStatic) {
-    static const std::vector<SyntheticFrame> still = render(SyntheticScenario::kStatic);
+    static const std::vector<SyntheticFrame> still = Rendered(SmallWorld(SyntheticScenario::kStatic));
     return still;
   }
-  static const std::vector<SyntheticFrame> walking = render(SyntheticScenario::kWalking);
+  static const std::vector<SyntheticFrame> walking = Rendered(SmallWorld(SyntheticScenario::kWalking));
   return walking;
 }
 
@@ -153,6 +154,20 @@ TEST(Slam, LabelsEachKeyframeOnceAndLabelsSayWhatIsStatic) {
   EXPECT_EQ(result.keyframes_left_unlabelled, 0);
   EXPECT_GT(result.static_points, result.unknown_points);
   EXPECT_LT(AteRmse(result, frames), 0.05);
+}
+
+// People stand close to the camera from the start, then walk together: without semantics the map goes with them.
+TEST(Slam, SemanticsKeepThoseWhoWalkTogetherOutOfTheMap) {
+  SyntheticOptions synthetic = SmallWorld(SyntheticScenario::kWalking);
+  synthetic.frames = 120;
+  const std::vector<SyntheticFrame> frames = Rendered(synthetic);
+  Options options = SmallOptions(true);
+  options.semantic.lockstep_delay_frames = 6;  // 200 ms
+  const SlamResult without = RunAll(frames, options, nullptr);
+  const SlamResult with = RunAll(frames, options, TrueMasks(frames));
+  EXPECT_EQ(with.tracked_frames, synthetic.frames);
+  EXPECT_LT(AteRmse(with, frames), 0.02);
+  EXPECT_GT(AteRmse(without, frames), 5 * AteRmse(with, frames));
 }
 
 TEST(Slam, TracksThreaded) {

@@ -1,9 +1,8 @@
-// The people of a scenario: who sits where, who walks which way.
+// A person in the room: on a seat or on a walk.
 #pragma once
 
 #include <vector>
 
-#include "testing/camera_path.h"
 #include "testing/person.h"
 #include "testing/room.h"
 
@@ -18,6 +17,13 @@ struct Leg {
   double walked_before_m = 0;
   double heading = 0;  // radians from x to y
 };
+
+inline constexpr double kTurn_s = 0.45;  // time to turn round between two legs
+inline constexpr double kRamp_s = 0.8;   // from standing to full speed, and back: two steps
+
+// Share of the way of a leg that is behind the walker: even acceleration, full speed, even deceleration. A leg of
+// length l at full speed v takes l / v + kRamp_s.
+double ShareWalked(const Leg& leg, double time_s);
 
 // Where a walker is at a time; before the first leg at its start, after the last at its end.
 Stance StanceAt(const std::vector<Leg>& legs, double time_s);
@@ -38,11 +44,5 @@ class Mover {
   Seat seat_;
   std::vector<Leg> legs_;  // empty: sits
 };
-
-// Plans the people of a scenario for `duration_s` so that the camera sees much of them, nobody walks through furniture
-// or another person, and nobody comes nearer to the camera than about half a metre. Walks are planned leg by leg: of
-// many places to go to, that one is taken which keeps the walker in view at the distance that the scenario wants.
-std::vector<Mover> PlanMovers(SyntheticScenario scenario, int count, const Room& room, const CameraPath& camera,
-                              double duration_s, std::uint64_t seed);
 
 }  // namespace rds::synthetic

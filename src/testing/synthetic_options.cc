@@ -82,6 +82,8 @@ int ResolveMovers(const SyntheticOptions& options) {
     return options.movers;
   }
   switch (options.scenario) {
+    case SyntheticScenario::kWalking:
+      return 3;
     case SyntheticScenario::kStatic:
       return 0;
     case SyntheticScenario::kCrowd:

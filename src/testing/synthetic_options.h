@@ -12,7 +12,7 @@ namespace rds {
 
 enum class SyntheticScenario : std::uint8_t {
   kStatic,    // nobody
-  kWalking,   // people walk to and fro, mostly 1 to 2.5 m in front of the camera
+  kWalking,   // three people stand and stroll together, about 1 m in front of the camera
   kSitting,   // people sit on chairs and fidget
   kCrowd,     // many: three in four walk, the rest sit
   kCrossing,  // people cross the view close to the camera, .8 to 1.4 m

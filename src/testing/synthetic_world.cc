@@ -11,6 +11,7 @@
 #include "testing/mover.h"
 #include "testing/rasterizer.h"
 #include "testing/room.h"
+#include "testing/walk_planner.h"
 
 namespace rds {
 

@@ -100,6 +100,7 @@ class EveryPath : public testing::TestWithParam<SyntheticPath> {};
 TEST_P(EveryPath, GroundTruthCarriesOneFrameIntoAnother) {
   SyntheticOptions options = Small(SyntheticScenario::kWalking, GetParam());
   options.noise = false;
+  options.movers = 2;  // leave enough of the room to compare
   const SyntheticWorld world(options);
   const PinholeCamera& camera = world.camera();
   const SyntheticFrame from = world.Render(20);
