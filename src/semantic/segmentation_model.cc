@@ -27,9 +27,9 @@ class Section {
       throw InputError(fmt::format("{}: {} must be a mapping", file_, name_.empty() ? "the file" : name_));
     }
     for (const auto& entry : node_) {
-      const auto key = entry.first.as<std::string>();
+      const std::string& key = entry.first.Scalar();  // "" where it is no word
       if (std::find(keys.begin(), keys.end(), key) == keys.end()) {
-        throw InputError(fmt::format("{}: unknown key {}; known: {}", file_, Path(key), fmt::join(keys, ", ")));
+        throw InputError(fmt::format("{}: unknown key '{}'; known: {}", file_, Path(key), fmt::join(keys, ", ")));
       }
     }
   }
