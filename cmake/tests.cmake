@@ -49,6 +49,10 @@ if(NOT RDS_SANITIZE)
   rds_add_repository_test(test_summary ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/tests/summarize_tests_test.py)
   rds_add_repository_test(scripts ${PROJECT_SOURCE_DIR}/tests/scripts_test.sh)
   if(TARGET rds_program)
+    foreach(test input signals disk)
+      rds_add_repository_test(faults_${test} ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/tests/faults_test.py
+        $<TARGET_FILE:rds_program> ${test})
+    endforeach()
     foreach(test make static walking lockstep threaded)
       set(name repository.kitchen_${test})
       add_test(NAME ${name} COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/tests/kitchen_test.py

@@ -4,6 +4,8 @@
 
 #include <atomic>
 
+#include "io/temporary_files.h"
+
 namespace rds {
 namespace {
 
@@ -13,6 +15,7 @@ static_assert(std::atomic<int>::is_always_lock_free);
 
 extern "C" void NoteSignal(int signal) {
   if (noted_signal.exchange(signal) != 0) {
+    RemoveTemporaryFiles();
     _exit(128 + signal);
   }
 }
@@ -27,11 +30,14 @@ InterruptGuard::InterruptGuard() {
   action.sa_flags = SA_RESTART;
   sigaction(SIGINT, &action, &before_interrupt_);
   sigaction(SIGTERM, &action, &before_terminate_);
+  action.sa_handler = SIG_IGN;
+  sigaction(SIGPIPE, &action, &before_pipe_);
 }
 
 InterruptGuard::~InterruptGuard() {
   sigaction(SIGINT, &before_interrupt_, nullptr);
   sigaction(SIGTERM, &before_terminate_, nullptr);
+  sigaction(SIGPIPE, &before_pipe_, nullptr);
   noted_signal = 0;
 }
 

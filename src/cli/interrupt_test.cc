@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include "io/temporary_files.h"
+#include "testing/temporary_folder.h"
+
 namespace rds {
 namespace {
 
@@ -26,6 +29,25 @@ TEST(InterruptDeathTest, SecondSignalEndsTheProgram) {
     raise(SIGINT);
   };
   EXPECT_EXIT(interrupt_twice(), ::testing::ExitedWithCode(128 + SIGINT), "");
+}
+
+TEST(InterruptDeathTest, SecondSignalLeavesNoFileUnderWay) {
+  const TemporaryFolder folder;
+  const auto file = folder.Write(".video.mp4", "half");
+  const auto interrupt_twice = [&file] {
+    const InterruptGuard guard;
+    const TemporaryPath temporary(file);
+    raise(SIGTERM);
+    raise(SIGINT);
+  };
+  EXPECT_EXIT(interrupt_twice(), ::testing::ExitedWithCode(128 + SIGINT), "");
+  EXPECT_EQ(folder.Count(), 0);
+}
+
+TEST(Interrupt, AReaderThatLeavesDoesNotEndTheProgram) {
+  const InterruptGuard guard;
+  raise(SIGPIPE);
+  EXPECT_FALSE(Interrupted());
 }
 
 TEST(InterruptDeathTest, HandlersAreRestored) {

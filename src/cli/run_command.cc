@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include "base/error.h"
@@ -133,15 +134,35 @@ void PrintSummary(const RunArguments& arguments, const PlaySetup& setup, const O
   std::cout << text << std::flush;
 }
 
-// Completes video and still. After an interruption what is missing is no error, but said.
-void FinishRecording(VideoRecorder& recorder, bool interrupted) {
+// Writes the output folder. Where that fails, the video under way may have filled the disk: it is given up for the
+// results. Returns what to say of it, "" if nothing. Throws InputError if there is no room even so.
+std::string WriteOutputsFirst(const RunArguments& arguments, const PlaySetup& setup, const Outcome& outcome,
+                              VideoRecorder* recorder) {
+  try {
+    WriteOutputs(arguments.out, setup, outcome);
+    return "";
+  } catch (const InputError& error) {
+    if (recorder == nullptr || !recorder->DropVideo()) {
+      throw;
+    }
+    WriteOutputs(arguments.out, setup, outcome);
+    return fmt::format("{}: the video is given up, to make room for the results ({})", arguments.video, error.what());
+  }
+}
+
+// Completes video and still; `problems` are those of the video so far, "" if none. After an interruption what is
+// missing is no error, but said.
+void FinishRecording(VideoRecorder& recorder, std::string problems, bool interrupted) {
   try {
     recorder.Finish();
   } catch (const InputError& error) {
-    if (!interrupted) {
-      throw;
-    }
-    log::warn("{}", error.what());
+    problems += (problems.empty() ? "" : "; ") + std::string(error.what());
+  }
+  if (!problems.empty() && !interrupted) {
+    throw InputError(problems);
+  }
+  if (!problems.empty()) {
+    log::warn("{}", problems);
   }
   if (recorder.left_out() > 0) {
     log::info("the video repeats pictures for {} frames that could not be drawn in time", recorder.left_out());
@@ -176,14 +197,15 @@ int Run(const RunArguments& arguments) {
   outcome.playback = Play(setup.dataset, setup.camera, setup.options, std::move(segmenter), setup.rate, observers);
   progress.Finish();
   outcome.accuracy = Accuracy(outcome.playback.slam.frames, setup.dataset.ground_truth());
+  std::string video_problem;
   if (outcome.playback.frames.empty()) {
     log::warn("no frame was processed; nothing is written to {}", arguments.out);
   } else {
-    WriteOutputs(arguments.out, setup, outcome);
+    video_problem = WriteOutputsFirst(arguments, setup, outcome, recorder.get());
     PrintSummary(arguments, setup, outcome);
   }
   if (recorder != nullptr) {
-    FinishRecording(*recorder, outcome.playback.interrupted);
+    FinishRecording(*recorder, std::move(video_problem), outcome.playback.interrupted);
   }
   if (outcome.playback.interrupted) {
     log::warn("stopped by a signal after {} of {} frames", outcome.playback.frames.size(), setup.dataset.size());

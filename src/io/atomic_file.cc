@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "io/temporary_files.h"
 
 namespace rds {
 namespace {
@@ -49,42 +50,30 @@ int WriteAll(int file, std::string_view text, bool sync) {
 // A file beside its target that disappears unless renamed. Not thread-safe.
 class TemporaryFile {
  public:
-  explicit TemporaryFile(const fs::path& target) : target_(target) {
-    static std::atomic<unsigned> counter = 0;
-    path_ = target.parent_path() / fmt::format(".{}.{}-{}", target.filename().string(), getpid(), counter++);
-  }
-  TemporaryFile(TemporaryFile&& other) noexcept
-      : target_(std::move(other.target_)),
-        path_(std::move(other.path_)),
-        exists_(std::exchange(other.exists_, false)) {}
-  TemporaryFile(const TemporaryFile&) = delete;
-  TemporaryFile& operator=(const TemporaryFile&) = delete;
-  ~TemporaryFile() {
-    if (exists_) {
-      unlink(path_.c_str());
-    }
-  }
+  explicit TemporaryFile(const fs::path& target) : target_(target), temporary_(NameBeside(target)) {}
 
   // Both give the number of the system's error, or 0.
   [[nodiscard]] int Write(std::string_view text) {
-    const int file = open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    exists_ = file >= 0;
-    return exists_ ? WriteAll(file, text, true) : errno;
-  }
-  [[nodiscard]] int Rename() {
-    if (rename(path_.c_str(), target_.c_str()) != 0) {
-      return errno;
+    const int file = open(temporary_.path().c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (file >= 0) {
+      return WriteAll(file, text, true);
     }
-    exists_ = false;
-    return 0;
+    const int error = errno;
+    temporary_.Disown();
+    return error;
   }
+  [[nodiscard]] int Rename() { return temporary_.MoveTo(target_); }
 
   [[nodiscard]] const fs::path& target() const { return target_; }
 
  private:
+  static fs::path NameBeside(const fs::path& target) {
+    static std::atomic<unsigned> counter = 0;
+    return target.parent_path() / fmt::format(".{}.{}-{}", target.filename().string(), getpid(), counter++);
+  }
+
   fs::path target_;
-  fs::path path_;
-  bool exists_ = false;
+  TemporaryPath temporary_;
 };
 
 // For /dev/stdout and the like, which must not be replaced by a file.

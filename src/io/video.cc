@@ -3,16 +3,17 @@
 #include <spdlog/fmt/fmt.h>
 #include <unistd.h>
 
+#include <cstring>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/videoio.hpp>
 #include <string>
-#include <system_error>
 #include <utility>
 #include <vector>
 
 #include "base/error.h"
 #include "io/atomic_file.h"
+#include "io/temporary_files.h"
 #include "runtime/bounded_queue.h"
 #include "runtime/worker.h"
 
@@ -32,33 +33,6 @@ void CheckExtension(const std::filesystem::path& file, const std::string& wanted
   }
 }
 
-// A file that is removed unless it is moved into place.
-class PendingFile {
- public:
-  explicit PendingFile(std::filesystem::path file) : file_(std::move(file)), temporary_(TemporaryName(file_)) {}
-  ~PendingFile() {
-    std::error_code ignored;
-    std::filesystem::remove(temporary_, ignored);
-  }
-  PendingFile(const PendingFile&) = delete;
-  PendingFile& operator=(const PendingFile&) = delete;
-
-  [[nodiscard]] const std::filesystem::path& file() const { return file_; }
-  [[nodiscard]] std::string temporary() const { return temporary_.string(); }
-
-  void Commit() {
-    std::error_code error;
-    std::filesystem::rename(temporary_, file_, error);
-    if (error) {
-      throw InputError(fmt::format("{}: cannot be written: {}", file_.string(), error.message()));
-    }
-  }
-
- private:
-  std::filesystem::path file_;
-  std::filesystem::path temporary_;
-};
-
 cv::Mat View(const Image8& image) {
   return {image.height, image.width, CV_8UC3, const_cast<std::uint8_t*>(image.data.data())};
 }
@@ -66,14 +40,13 @@ cv::Mat View(const Image8& image) {
 // An MPEG-4 file under way.
 class VideoFile {
  public:
-  VideoFile(const std::filesystem::path& file, double frames_per_s, cv::Size size) : pending_(file) {
-    CheckExtension(file, ".mp4");
-    const bool opened = writer_.open(pending_.temporary(), cv::CAP_FFMPEG, cv::VideoWriter::fourcc('m', 'p', '4', 'v'),
-                                     frames_per_s, size);
+  VideoFile(const std::filesystem::path& file, double frames_per_s, cv::Size size)
+      : file_(file), temporary_(TemporaryName(file)) {
+    const bool opened = writer_.open(temporary_.path().string(), cv::CAP_FFMPEG,
+                                     cv::VideoWriter::fourcc('m', 'p', '4', 'v'), frames_per_s, size);
     if (!opened) {
-      throw InputError(
-          fmt::format("{}: cannot be written as video: is the folder there and writable, and OpenCV built with FFmpeg?",
-                      file.string()));
+      throw InputError(fmt::format("{}: cannot be written as video: is the disk full, or OpenCV built without FFmpeg?",
+                                   file.string()));
     }
   }
 
@@ -86,17 +59,22 @@ class VideoFile {
   void Finish() {
     writer_.release();
     if (frames_ == 0) {
-      throw InputError(fmt::format("{}: no video, because no frame was recorded", pending_.file().string()));
+      throw InputError(fmt::format("{}: no video, because no frame was recorded", file_.string()));
     }
-    cv::VideoCapture written(pending_.temporary(), cv::CAP_FFMPEG);
+    cv::VideoCapture written(temporary_.path().string(), cv::CAP_FFMPEG);
     if (!written.isOpened() || written.get(cv::CAP_PROP_FRAME_COUNT) < frames_) {
-      throw InputError(fmt::format("{}: the video is incomplete; is the disk full?", pending_.file().string()));
+      throw InputError(
+          fmt::format("{}: the video is incomplete and left out; is the disk full? make room or choose another place",
+                      file_.string()));
     }
-    pending_.Commit();
+    if (const int error = temporary_.MoveTo(file_); error != 0) {
+      throw InputError(fmt::format("{}: cannot be written: {}", file_.string(), std::strerror(error)));
+    }
   }
 
  private:
-  PendingFile pending_;
+  const std::filesystem::path file_;
+  TemporaryPath temporary_;
   cv::VideoWriter writer_;
   int frames_ = 0;
 };
@@ -114,12 +92,14 @@ class VideoRecorder::Impl {
  public:
   Impl(const VideoOptions& options, int image_width, int image_height) : options_(options) {
     if (options.video) {
+      CheckExtension(*options.video, ".mp4");
+      CheckWritable(*options.video);  // a bad place fails now rather than at the end
       const cv::Size size(RunView::Width(image_width, image_height), RunView::Height(image_height));
       video_ = std::make_unique<VideoFile>(*options.video, options.frames_per_s, size);
     }
     if (options.still) {
       CheckExtension(*options.still, ".png");
-      CheckWritable(*options.still);  // a bad place fails now rather than at the end
+      CheckWritable(*options.still);
     }
     worker_ = std::make_unique<Worker>([this] { Work(); });
   }
@@ -146,15 +126,21 @@ class VideoRecorder::Impl {
   void Finish() {
     queue_.Close();
     worker_->Join();
-    if (video_ != nullptr) {
-      video_->Finish();
+    std::string problems = FinishVideo();
+    try {
+      FinishStill();
+    } catch (const InputError& error) {
+      problems += (problems.empty() ? "" : "; ") + std::string(error.what());
     }
-    if (options_.still && !still_.empty()) {
-      WriteStill(*options_.still, still_);
-    } else if (options_.still) {
-      throw InputError(fmt::format("{}: no picture, because the run did not reach frame {}", options_.still->string(),
-                                   options_.still_frame ? options_.still_frame->value : 0));
+    if (!problems.empty()) {
+      throw InputError(problems);
     }
+  }
+
+  bool DropVideo() {
+    queue_.Close();
+    worker_->Join();
+    return std::exchange(video_, nullptr) != nullptr;
   }
 
   [[nodiscard]] int left_out() const { return left_out_; }
@@ -164,6 +150,28 @@ class VideoRecorder::Impl {
     RunViewContent content;
     int skipped_before = 0;
   };
+
+  // What is wrong with the video, which is then removed and so makes room for the still; "" if it is in place.
+  std::string FinishVideo() {
+    try {
+      if (video_ != nullptr) {
+        video_->Finish();
+      }
+    } catch (const InputError& error) {
+      video_.reset();
+      return error.what();
+    }
+    return "";
+  }
+
+  void FinishStill() const {
+    if (options_.still && !still_.empty()) {
+      WriteStill(*options_.still, still_);
+    } else if (options_.still) {
+      throw InputError(fmt::format("{}: no picture, because the run did not reach frame {}", options_.still->string(),
+                                   options_.still_frame ? options_.still_frame->value : 0));
+    }
+  }
 
   // The worker's function. An error closes the queue, so that Add does not wait for ever, and is thrown by Finish.
   void Work() {
@@ -208,6 +216,7 @@ VideoRecorder::~VideoRecorder() = default;
 bool VideoRecorder::Wants(FrameId frame) const { return impl_->Wants(frame); }
 void VideoRecorder::Add(RunViewContent content) { impl_->Add(std::move(content)); }
 void VideoRecorder::Finish() { impl_->Finish(); }
+bool VideoRecorder::DropVideo() { return impl_->DropVideo(); }
 int VideoRecorder::left_out() const { return impl_->left_out(); }
 
 }  // namespace rds

@@ -36,8 +36,12 @@ class VideoRecorder {
   void Add(RunViewContent content);
 
   // Draws what is queued, closes the files and moves them into place, the video first. Throws InputError if a file is
-  // incomplete (a full disk), if still_frame never came (the video is in place all the same), or without any frame.
+  // incomplete (a full disk), if still_frame never came, or without any frame; the other file is in place all the same.
   void Finish();
+
+  // Gives the video up and removes what there is of it, to make room on a full disk; the still stays wanted. False if
+  // there was no video. Called after the last Add, instead of or before Finish.
+  bool DropVideo();
 
   // Frames that found the queue full.
   [[nodiscard]] int left_out() const;

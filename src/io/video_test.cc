@@ -142,6 +142,7 @@ TEST_F(VideoRecorderTest, LeavesNothingBehindWithoutFinish) {
 TEST_F(VideoRecorderTest, BadNamesAreNamed) {
   EXPECT_THAT(ErrorOf({.video = "/nowhere/run.mp4"}), HasSubstr("/nowhere/run.mp4"));
   EXPECT_THAT(ErrorOf({.video = folder_ / "run.xyz"}), HasSubstr(".mp4"));
+  EXPECT_THAT(ErrorOf({.video = folder_.parent_path() / "."}), HasSubstr(".mp4"));
   EXPECT_THAT(ErrorOf({.still = "/nowhere/run.png"}), HasSubstr("/nowhere/run.png"));
   EXPECT_THAT(ErrorOf({.still = folder_ / "run.mp4"}), HasSubstr(".png"));
   EXPECT_TRUE(fs::is_empty(folder_));
@@ -161,6 +162,32 @@ TEST_F(VideoRecorderTest, StillOnAFullDiskIsAnErrorAndKeepsTheOldOne) {
     EXPECT_THAT(ErrorOf({.still = folder_ / "run.png"}), HasSubstr("run.png: cannot be written"));
   }
   EXPECT_EQ(temporary_.Read("run.png"), "before");
+  EXPECT_EQ(temporary_.Count(), 1);
+}
+
+TEST_F(VideoRecorderTest, VideoOnAFullDiskIsAnErrorButTheStillIsThere) {
+  temporary_.Write("run.mp4", "before");
+  {
+    const FileSizeLimit limit(20'000);
+    VideoRecorder recorder({.video = folder_ / "run.mp4", .still = folder_ / "run.png", .wait = true}, kWidth, kHeight);
+    for (std::uint32_t i = 0; i < 60; ++i) {
+      recorder.Add(ContentOf(i));
+    }
+    EXPECT_THAT(InputErrorOf([&recorder] { recorder.Finish(); }), HasSubstr("run.mp4: the video is incomplete"));
+  }
+  EXPECT_EQ(temporary_.Read("run.mp4"), "before");
+  EXPECT_EQ(cv::imread((folder_ / "run.png").string()).rows, kHeight);
+  EXPECT_EQ(temporary_.Count(), 2);
+}
+
+TEST_F(VideoRecorderTest, AVideoCanBeGivenUpForRoom) {
+  VideoRecorder recorder({.video = folder_ / "run.mp4", .still = folder_ / "run.png"}, kWidth, kHeight);
+  recorder.Add(ContentOf(0));
+  EXPECT_TRUE(recorder.DropVideo());
+  EXPECT_TRUE(fs::is_empty(folder_));
+  EXPECT_FALSE(recorder.DropVideo());
+  recorder.Finish();
+  EXPECT_EQ(cv::imread((folder_ / "run.png").string()).rows, kHeight);
   EXPECT_EQ(temporary_.Count(), 1);
 }
 

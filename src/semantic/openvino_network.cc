@@ -132,9 +132,11 @@ void Reshape(const std::shared_ptr<ov::Model>& network, const SegmentationModel&
   network->validate_nodes_and_infer_types();
 }
 
-// By the format that the file's name says. (ov::Core::read_model would load the readers of all formats and ask each,
-// which takes longer and lets some of them print complaints.)
-std::shared_ptr<ov::Model> ReadFile(const std::string& weights) {
+}  // namespace
+
+// (ov::Core::read_model would load the readers of all formats and ask each, which takes longer and lets some of them
+// print complaints.)
+std::shared_ptr<ov::Model> ReadNetworkFile(const std::string& weights) {
   static const std::map<std::string, std::string> formats = {{".onnx", "onnx"}, {".tflite", "tflite"}, {".xml", "ir"}};
   const auto format = formats.find(std::filesystem::path(weights).extension().string());
   if (format == formats.end()) {
@@ -144,16 +146,15 @@ std::shared_ptr<ov::Model> ReadFile(const std::string& weights) {
     const ov::frontend::FrontEnd::Ptr reader = ov::frontend::FrontEndManager().load_by_framework(format->second);
     return reader->convert(reader->load(weights));
   } catch (const std::exception& error) {
-    throw InputError(
-        fmt::format("weights {}: not readable, perhaps cut short ({}); fetch them again with `rds fetch weights`",
-                    weights, LastLine(error.what())));
+    throw InputError(fmt::format(
+        "weights {}: damaged, cut short, or not a model of type {} ({}); copy it again, or fetch the published ones "
+        "with `rds fetch weights`",
+        weights, format->first, LastLine(error.what())));
   }
 }
 
-}  // namespace
-
 std::shared_ptr<ov::Model> ReadNetwork(const SegmentationModel& model) {
-  std::shared_ptr<ov::Model> network = ReadFile(model.weights);
+  std::shared_ptr<ov::Model> network = ReadNetworkFile(model.weights);
   try {
     if (network->inputs().size() != 1 || network->input().get_partial_shape().rank() != 4) {
       throw InputError("wanted is a network with one input of four dimensions");

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 
 #include "semantic/segmentation_model.h"
 
@@ -10,6 +11,10 @@ class Model;
 }  // namespace ov
 
 namespace rds {
+
+// The file's whole graph, read as the format that its name says. Throws InputError for a file that cannot be read: one
+// that is damaged, cut short, or no model.
+[[nodiscard]] std::shared_ptr<ov::Model> ReadNetworkFile(const std::string& weights);
 
 // Reads the file and makes of its graph what the description says: ended at the tensor named, freed of the rounding of
 // quantised networks, reshaped. Throws InputError for a file that cannot be read (naming `rds fetch weights`) and for a

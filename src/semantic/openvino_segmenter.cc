@@ -224,6 +224,8 @@ bool HasOpenVino() { return true; }
 
 void CheckOpenVino() {}
 
+void CheckNetworkFile(const std::string& weights) { std::ignore = ReadNetworkFile(weights); }
+
 std::unique_ptr<Segmenter> MakeOpenVinoSegmenter(const SegmentationModel& model, const OpenVinoOptions& options) {
   Check(options.threads >= 1 && options.max_batch >= 1, "inference wants a thread and an image");
   return std::make_unique<OpenVinoSegmenter>(model, options);
@@ -242,6 +244,8 @@ void CheckOpenVino() {
       "segmenter 'openvino': this build has no OpenVINO runtime; run scripts/install_openvino.sh, configure and build "
       "again, or choose --segmenter none (no semantics) or stored (masks of the sequence)");
 }
+
+void CheckNetworkFile(const std::string&) { CheckOpenVino(); }
 
 std::unique_ptr<Segmenter> MakeOpenVinoSegmenter(const SegmentationModel&, const OpenVinoOptions&) {
   CheckOpenVino();

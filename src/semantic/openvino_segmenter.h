@@ -22,6 +22,10 @@ struct OpenVinoOptions {
 // Throws InputError naming the ways out where this build has no OpenVINO.
 void CheckOpenVino();
 
+// Throws InputError for a file that is damaged, cut short or no network at all, whatever it wants and gives; and as
+// CheckOpenVino does.
+void CheckNetworkFile(const std::string& weights);
+
 // Runs a network (.onnx, .tflite, or OpenVINO's .xml with its .bin). It is compiled for the image's size with the first
 // request; a published file of the published size is read then, too (SLAM starts sooner; its digest was checked when it
 // was fetched), any other one here. Grey images are run as grey BGR. Cancel interrupts a run under way. Thread-safe as

@@ -9,10 +9,12 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <thread>
+#include <utility>
 
 #include "base/error.h"
 #include "base/time.h"
 #include "semantic/segmentation_model.h"
+#include "semantic/segmenter_factory.h"
 
 namespace rds {
 namespace {
@@ -201,6 +203,30 @@ TEST_F(OpenVinoSegmenterTest, RubbishIsRefusedWithTheWayOut) {
   }
 }
 
+// Under any name, with a description and without: the file is at fault, not what is said about it.
+TEST_F(OpenVinoSegmenterTest, DamagedFilesAreCalledThat) {
+  const std::string half(kChannelNetwork, std::string(kChannelNetwork).size() / 2);
+  for (const auto& [name, bytes] : {std::pair<std::string, std::string>{"own.onnx", std::string(5000, 'r')},
+                                    {"own.tflite", std::string(5000, 'r')},
+                                    {"own.tflite", std::string("\x1c\0\0\0TFL3", 8) + std::string(5000, 'r')},
+                                    {"own.xml", half}}) {
+    const std::string path = Write(name, bytes);
+    fs::remove(path + ".yaml");
+    SegmenterOptions options;
+    options.model = path;
+    EXPECT_THAT(ErrorOf([&] { std::ignore = MakeSegmenter("openvino", options, {}); }),
+                testing::AllOf(HasSubstr(path), HasSubstr("damaged, cut short, or not a model")));
+    Write(name + ".yaml", "output: {labels: [0]}");
+    EXPECT_THAT(ErrorOf([&] { std::ignore = MakeSegmenter("openvino", options, {}); }),
+                testing::AllOf(HasSubstr(path), HasSubstr("damaged, cut short, or not a model")));
+  }
+  SegmenterOptions options;
+  options.model = Write("own.pt", "x");
+  EXPECT_THAT(ErrorOf([&] { std::ignore = MakeSegmenter("openvino", options, {}); }), HasSubstr(".onnx, .tflite"));
+  options.model = (folder_ / "channels.xml").string();  // whole, but nobody says what it wants
+  EXPECT_THAT(ErrorOf([&] { std::ignore = MakeSegmenter("openvino", options, {}); }), HasSubstr("channels.xml.yaml"));
+}
+
 // ---- with the weights and pictures of ../shared (or $RDS_SHARED), where they are ----
 
 class OpenVinoWeightsTest : public OpenVinoSegmenterTest {
@@ -285,6 +311,23 @@ TEST_F(OpenVinoWeightsTest, AFileCutShortIsRefused) {
     const std::string error = ErrorOf([&] { std::ignore = MakeOpenVinoSegmenter(LoadSegmentationModel(path), {}); });
     EXPECT_THAT(error, HasSubstr(path));
     EXPECT_THAT(error, HasSubstr("rds fetch weights"));
+  }
+}
+
+// Wherever it is cut and whatever it is called.
+TEST_F(OpenVinoWeightsTest, AFileOfAnotherNameCutShortIsRefused) {
+  for (const char* name : {"deeplabv3_mnv2_dm05_pascal_quant.tflite", "deeplabv3_mnv2_dm05_361x481.onnx"}) {
+    SegmenterOptions options;
+    options.model = (folder_ / ("own" + fs::path(name).extension().string())).string();
+    for (const double part : {0.001, 0.1, 0.5, 0.9, 0.9999}) {
+      fs::copy_file(Model(name), options.model, fs::copy_options::overwrite_existing);
+      fs::permissions(options.model, fs::perms::owner_all);
+      const auto bytes = static_cast<double>(fs::file_size(options.model));
+      fs::resize_file(options.model, static_cast<std::uintmax_t>(part * bytes));
+      EXPECT_THAT(ErrorOf([&] { std::ignore = MakeSegmenter("openvino", options, {}); }),
+                  testing::AllOf(HasSubstr(options.model), HasSubstr("damaged, cut short, or not a model")))
+          << part;
+    }
   }
 }
 

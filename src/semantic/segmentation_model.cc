@@ -27,9 +27,9 @@ class Section {
       throw InputError(fmt::format("{}: {} must be a mapping", file_, name_.empty() ? "the file" : name_));
     }
     for (const auto& entry : node_) {
-      const auto key = entry.first.as<std::string>();
+      const std::string& key = entry.first.Scalar();  // "" where it is no word
       if (std::find(keys.begin(), keys.end(), key) == keys.end()) {
-        throw InputError(fmt::format("{}: unknown key {}; known: {}", file_, Path(key), fmt::join(keys, ", ")));
+        throw InputError(fmt::format("{}: unknown key '{}'; known: {}", file_, Path(key), fmt::join(keys, ", ")));
       }
     }
   }
@@ -143,6 +143,8 @@ void ReadYaml(const std::string& file, SegmentationModel& model) {
   top.Read("ignore_rounding", model.ignore_rounding, "true or false");
 }
 
+std::string DescriptionOf(const std::string& weights) { return weights + ".yaml"; }
+
 // DeepLabV3 with MobileNetV2 on PASCAL VOC by Google: the published files and the float versions made from them. Their
 // thresholds are low, because a person that is missed costs SLAM more than a bit of wall that is masked.
 std::optional<SegmentationModel> BuiltIn(const std::string& file_name) {
@@ -186,6 +188,11 @@ ScoreGrid SegmentationModel::Grid(int network_height, int network_width, int out
           .input_height = network_height};
 }
 
+bool HasDescription(const std::string& weights) {
+  std::error_code error;
+  return fs::exists(DescriptionOf(weights), error) || BuiltIn(fs::path(weights).filename().string()).has_value();
+}
+
 SegmentationModel LoadSegmentationModel(const std::string& weights) {
   std::error_code error;
   if (!fs::is_regular_file(weights, error)) {
@@ -197,7 +204,7 @@ SegmentationModel LoadSegmentationModel(const std::string& weights) {
     throw InputError(
         fmt::format("weights {}: empty or unreadable; fetch them again with `rds fetch weights`", weights));
   }
-  const std::string description = weights + ".yaml";
+  const std::string description = DescriptionOf(weights);
   std::optional<SegmentationModel> model = BuiltIn(fs::path(weights).filename().string());
   if (fs::exists(description, error)) {
     model = SegmentationModel{};

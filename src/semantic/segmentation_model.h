@@ -49,6 +49,9 @@ struct SegmentationModel {
   [[nodiscard]] ScoreGrid Grid(int network_height, int network_width, int output_height, int output_width) const;
 };
 
+// Whether there is a description of these weights, right or wrong: `<weights>.yaml`, or the built-in one.
+[[nodiscard]] bool HasDescription(const std::string& weights);
+
 // The description in `<weights>.yaml` (the whole name with .yaml after it), else the built-in one for the published
 // files and their derivatives, known by file name. Throws InputError for missing or unreadable weights (naming the file
 // and `rds fetch weights`), for weights nobody describes, and for unknown keys or bad values in the YAML.

@@ -111,6 +111,7 @@ TEST_F(SegmentationModelTest, BadDescriptionsNameFileAndKey) {
       {"input: {scale: [1, 0, 1]}", "input.scale"},
       {"input: {layout: CHWN}", "input.layout"},
       {"input: [1]", "input"},
+      {"? {a: b}\n: 3", "unknown key ''"},
       {"ignore_rounding: perhaps", "ignore_rounding"},
       {"input: {", "YAML"},
   };

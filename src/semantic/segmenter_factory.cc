@@ -76,7 +76,11 @@ std::unique_ptr<Segmenter> MakeSegmenter(const std::string& name, const Segmente
   }
   if (name == "openvino") {
     CheckOpenVino();  // before the weights: without the runtime they are of no use
-    return MakeOpenVinoSegmenter(LoadSegmentationModel(ResolveWeights(options.model)), options.openvino);
+    const std::string weights = ResolveWeights(options.model);
+    if (!HasDescription(weights)) {
+      CheckNetworkFile(weights);  // that it is damaged is said first, not that nothing describes it
+    }
+    return MakeOpenVinoSegmenter(LoadSegmentationModel(weights), options.openvino);
   }
   throw InputError(fmt::format("--segmenter: '{}' is unknown{}; one of {}", name, Suggestion(name, SegmenterNames()),
                                fmt::join(SegmenterNames(), ", ")));

@@ -280,15 +280,17 @@ TEST(Slam, BlackFramesAreLostAndTrackingIsRegained) {
   EXPECT_LT(AteRmse(result, frames), 0.02);
 }
 
-TEST(Slam, WithoutDepthNothingIsInvented) {
+TEST(Slam, WithoutDepthOrBeyondItsRangeNothingIsInvented) {
   const auto& frames = Frames(SyntheticScenario::kStatic);
-  Slam slam(MakeSyntheticCamera(320, 240), SmallOptions(false));
-  for (int i = 0; i < 10; ++i) {
-    RgbdFrame frame = frames[static_cast<std::size_t>(i)].rgbd;
-    frame.depth = std::make_shared<const Image16>(320, 240);
-    EXPECT_EQ(slam.Process(frame).state, TrackingState::kNotInitialized);
+  for (const std::uint16_t depth : {std::uint16_t{0}, std::uint16_t{65535}}) {
+    Slam slam(MakeSyntheticCamera(320, 240), SmallOptions(false));
+    for (int i = 0; i < 10; ++i) {
+      RgbdFrame frame = frames[static_cast<std::size_t>(i)].rgbd;
+      frame.depth = std::make_shared<const Image16>(320, 240, 1, depth);
+      EXPECT_EQ(slam.Process(frame).state, TrackingState::kNotInitialized) << depth;
+    }
+    EXPECT_EQ(slam.Finish().tracked_frames, 0);
   }
-  EXPECT_EQ(slam.Finish().tracked_frames, 0);
 }
 
 }  // namespace
