@@ -48,6 +48,7 @@ void AppendPoint(const MapPoint& point, LocalMap* local) {
   local->min_distance_m.push_back(point.min_distance_m);
   local->max_distance_m.push_back(point.max_distance_m);
   local->descriptors.push_back(point.descriptor);
+  local->sightings.push_back(static_cast<std::uint8_t>(std::min<std::size_t>(point.sightings.size(), 255)));
 }
 
 }  // namespace

@@ -38,6 +38,7 @@ struct LocalMap {
   std::vector<float> normal_x, normal_y, normal_z;  // mean viewing direction, unit
   std::vector<float> min_distance_m, max_distance_m;
   std::vector<Descriptor> descriptors;
+  std::vector<std::uint8_t> sightings;   // keyframes that see it, 255 at most
   std::vector<std::uint8_t> confirmed;   // 1 = seen by enough keyframes to count as tracked (keyframe policy)
   std::vector<LocalKeyframe> keyframes;  // ascending by id
   std::vector<std::pair<PointId, PointId>> replaced;  // recently fused ids and what they became, ascending

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "semantic/mask.h"
 
 namespace rds {
 namespace {
@@ -26,7 +27,10 @@ std::vector<KeypointLabel> LabelKeypoints(const FrameData& data, const Image8& m
   for (const Keypoint& keypoint : data.keypoints()) {
     const int x = std::clamp(static_cast<int>(std::lround(keypoint.raw_x)), 0, mask.width - 1);
     const int y = std::clamp(static_cast<int>(std::lround(keypoint.raw_y)), 0, mask.height - 1);
-    labels.push_back(mask.At(x, y) != 0 ? KeypointLabel::kDynamic : KeypointLabel::kStatic);
+    const std::uint8_t pixel = mask.At(x, y);
+    labels.push_back(pixel == kStaticPixel   ? KeypointLabel::kStatic
+                     : pixel == kUnsurePixel ? KeypointLabel::kNone
+                                             : KeypointLabel::kDynamic);
   }
   return labels;
 }

@@ -7,7 +7,7 @@
 
 namespace rds {
 
-// Labels of keypoints under a dilated mask (255 = dynamic) of the recorded image's size.
+// Labels of keypoints under a dilated mask of the recorded image's size; none where it is unsure.
 [[nodiscard]] std::vector<KeypointLabel> LabelKeypoints(const FrameData& data, const Image8& mask);
 
 // Map operations that carry the moving probability along. All need the door of the map.

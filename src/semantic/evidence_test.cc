@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "semantic/mask.h"
 
 namespace rds {
 namespace {
@@ -59,6 +60,14 @@ TEST(LabelKeypoints, LooksUpTheRecordedPixelNotTheUndistortedOne) {
   keypoints[2].x = 100;
   keypoints[2].y = 50;
   EXPECT_EQ(LabelKeypoints(*Data(keypoints), mask), (Labels{kDynamic, kStatic, kStatic}));
+}
+
+TEST(LabelKeypoints, SaysNothingWhereTheMaskIsUnsure) {
+  Image8 mask(640, 480);
+  mask.At(10, 10) = kUnsurePixel;
+  std::vector<Keypoint> keypoints(1);
+  keypoints[0].raw_x = keypoints[0].raw_y = 10;
+  EXPECT_EQ(LabelKeypoints(*Data(keypoints), mask), (Labels{kNone}));
 }
 
 TEST(LabelKeypoints, TakesTheBorderForWhatLiesOutside) {

@@ -57,14 +57,15 @@ std::vector<int> HalfWidths(int radius) {
 
 // Distance of each pixel to the nearest set pixel of its own row, in pixels, 255 = none within 254.
 void RowDistance(const std::uint8_t* row, int width, std::uint8_t* distance) {
+  const auto is_dynamic = [row](int x) { return row[x] != kStaticPixel && row[x] != kUnsurePixel; };
   int nearest = 255;
   for (int x = 0; x < width; ++x) {
-    nearest = row[x] != 0 ? 0 : std::min(nearest + 1, 255);
+    nearest = is_dynamic(x) ? 0 : std::min(nearest + 1, 255);
     distance[x] = static_cast<std::uint8_t>(nearest);
   }
   nearest = 255;
   for (int x = width - 1; x >= 0; --x) {
-    nearest = row[x] != 0 ? 0 : std::min(nearest + 1, 255);
+    nearest = is_dynamic(x) ? 0 : std::min(nearest + 1, 255);
     distance[x] = std::min(distance[x], static_cast<std::uint8_t>(nearest));
   }
 }
@@ -103,7 +104,7 @@ std::vector<float> ClassProbability(std::span<const float> logits, int cells, in
 }
 
 Image8 MaskFromProbability(std::span<const float> probability, const ScoreGrid& grid, int width, int height,
-                           float threshold) {
+                           float threshold, float unsure) {
   CheckGrid(grid, probability.size());
   const std::vector<AxisSample> columns = SampleColumns(grid, width);
   const std::vector<AxisSample> rows = SampleRows(grid, height);
@@ -122,7 +123,8 @@ Image8 MaskFromProbability(std::span<const float> probability, const ScoreGrid& 
       const AxisSample& column = columns[static_cast<std::size_t>(x)];
       const float left = blended[static_cast<std::size_t>(column.cell)];
       const float right = blended[static_cast<std::size_t>(column.next)];
-      out[x] = left + column.weight * (right - left) > threshold ? 255 : 0;
+      const float p = left + column.weight * (right - left);
+      out[x] = p > threshold ? kDynamicPixel : p > unsure ? kUnsurePixel : kStaticPixel;
     }
   }
   return mask;
@@ -161,7 +163,7 @@ Image8 Dilate(const Image8& mask, int radius) {
   }
   const std::vector<int> half = HalfWidths(radius);
   const int width = mask.width;  // a copy, so that the compiler knows that no pixel written changes it
-  Image8 out(width, mask.height);
+  Image8 out = mask;
   for (int y = 0; y < mask.height; ++y) {
     std::uint8_t* const to = out.Row(y);
     const int last = std::min(y + radius, mask.height - 1);
@@ -182,7 +184,8 @@ std::optional<std::string> MaskProblem(const Image8& mask, int width, int height
     return fmt::format("mask is {} x {} with {} channel(s) for an image of {} x {}", mask.width, mask.height,
                        mask.channels, width, height);
   }
-  const auto clear = std::count(mask.data.begin(), mask.data.end(), std::uint8_t{0});
+  const auto clear = std::count(mask.data.begin(), mask.data.end(), kStaticPixel) +
+                     std::count(mask.data.begin(), mask.data.end(), kUnsurePixel);
   const double share = 1.0 - static_cast<double>(clear) / static_cast<double>(mask.data.size());
   if (share > max_share) {
     return fmt::format("mask covers {:.0f} % of the image, more than {:.0f} %", 100 * share, 100 * max_share);

@@ -1,4 +1,4 @@
-// Masks: from the scores of a network to an image of 0 and 255, dilation, and the check that a mask can be used.
+// Masks: from the scores of a network to an image of labels, dilation, and the check that a mask can be used.
 #pragma once
 
 #include <optional>
@@ -9,6 +9,11 @@
 #include "base/image.h"
 
 namespace rds {
+
+// Pixels of a mask.
+inline constexpr std::uint8_t kStaticPixel = 0;
+inline constexpr std::uint8_t kUnsurePixel = 128;  // the network neither sees a person nor excludes one
+inline constexpr std::uint8_t kDynamicPixel = 255;
 
 // Where the cells of a network's output lie on its input: the centre of cell (i, j) is at pixel
 // (i * stride_x + offset_x, j * stride_y + offset_y) of the input, pixel centres at whole numbers.
@@ -31,12 +36,13 @@ enum class ChannelOrder { kFirst, kLast };
 [[nodiscard]] std::vector<float> ClassProbability(std::span<const float> logits, int cells, int classes,
                                                   ChannelOrder order, std::span<const int> labels);
 
-// A mask of width x height pixels: 255 where the probability, bilinear between the cells and constant beyond the outer
-// ones, is greater than `threshold`. The network's input is the whole image, stretched.
+// A mask of width x height pixels: dynamic where the probability, bilinear between the cells and constant beyond the
+// outer ones, is greater than `threshold`, unsure where it is greater than `unsure`. The network's input is the whole
+// image, stretched.
 [[nodiscard]] Image8 MaskFromProbability(std::span<const float> probability, const ScoreGrid& grid, int width,
-                                         int height, float threshold);
+                                         int height, float threshold, float unsure);
 
-// A mask of width x height pixels: 255 where the nearest cell's label is one of `labels`.
+// A mask of width x height pixels: dynamic where the nearest cell's label is one of `labels`.
 [[nodiscard]] Image8 MaskFromLabels(std::span<const int> cells, const ScoreGrid& grid, int width, int height,
                                     std::span<const int> labels);
 
@@ -44,12 +50,13 @@ enum class ChannelOrder { kFirst, kLast };
 // dilates by 15).
 [[nodiscard]] int DilationRadius(int width, int radius_at_640);
 
-// Dilation by a filled circle of the given radius in pixels: the same pixels as cv::dilate with an elliptic element of
-// 2 * radius + 1. One channel; 0 stays 0, anything else counts as 255. Radius 0 .. 254.
+// Dilation of what is dynamic by a filled circle of the given radius in pixels: the same pixels as cv::dilate with an
+// elliptic element of 2 * radius + 1. One channel; what is neither static nor unsure counts as dynamic. Radius 0 ..
+// 254.
 [[nodiscard]] Image8 Dilate(const Image8& mask, int radius);
 
 // Why a mask cannot be used for an image of width x height pixels, or nothing if it can: wrong size, several channels,
-// or more than `max_share` of the image covered (a network gone mad says "everything"). An empty image is none of this
+// or more than `max_share` of the image dynamic (a network gone mad says "everything"). An empty image is none of this
 // function's business: it says "no answer".
 [[nodiscard]] std::optional<std::string> MaskProblem(const Image8& mask, int width, int height, double max_share);
 

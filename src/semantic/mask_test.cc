@@ -73,15 +73,29 @@ TEST(MaskTest, ProbabilityIsUpsampledWhereTheCellsLie) {
   // Cells at input pixels 0, 16, 32 of 33; the image has the input's size: half way between 0 and 1 lies pixel 8.
   const ScoreGrid grid{.width = 3, .height = 1, .stride_x = 16, .stride_y = 16, .input_width = 33, .input_height = 1};
   const std::vector<float> probability = {0, 1, 0};
-  const Image8 mask = MaskFromProbability(probability, grid, 33, 1, 0.49F);
+  const Image8 mask = MaskFromProbability(probability, grid, 33, 1, 0.49F, 0.49F);
   for (int x = 0; x < 33; ++x) {
     EXPECT_EQ(mask.At(x, 0), x >= 8 && x <= 24 ? 255 : 0) << x;
   }
   ScoreGrid shifted = grid;
   shifted.offset_x = 4;
-  const Image8 moved = MaskFromProbability(probability, shifted, 33, 1, 0.49F);
+  const Image8 moved = MaskFromProbability(probability, shifted, 33, 1, 0.49F, 0.49F);
   EXPECT_EQ(moved.At(11, 0), 0);
   EXPECT_EQ(moved.At(12, 0), 255);
+}
+
+TEST(MaskTest, BetweenTheTwoThresholdsAPixelIsUnsure) {
+  const ScoreGrid grid{.width = 3, .height = 1, .stride_x = 1, .stride_y = 1, .input_width = 3, .input_height = 1};
+  const std::vector<float> probability = {0.05F, 0.2F, 0.6F};
+  const Image8 mask = MaskFromProbability(probability, grid, 3, 1, 0.5F, 0.1F);
+  EXPECT_EQ(mask.data, (std::vector<std::uint8_t>{kStaticPixel, kUnsurePixel, kDynamicPixel}));
+}
+
+TEST(MaskTest, DilationGrowsWhatIsDynamicAndLeavesTheUnsure) {
+  Image8 mask(7, 1);
+  mask.data = {0, 0, 255, 0, 128, 0, 0};
+  EXPECT_EQ(Dilate(mask, 1).data, (std::vector<std::uint8_t>{0, 255, 255, 255, 128, 0, 0}));
+  EXPECT_EQ(Dilate(mask, 2).data, (std::vector<std::uint8_t>{255, 255, 255, 255, 255, 0, 0}));
 }
 
 TEST(MaskTest, UpsamplingScalesToAnImageOfAnotherSize) {
@@ -95,7 +109,7 @@ TEST(MaskTest, UpsamplingScalesToAnImageOfAnotherSize) {
                        .input_width = 32,
                        .input_height = 16};
   const std::vector<float> probability = {0, 0, 1, 1, 0, 0, 1, 1};
-  const Image8 mask = MaskFromProbability(probability, grid, 100, 40, 0.5F);
+  const Image8 mask = MaskFromProbability(probability, grid, 100, 40, 0.5F, 0.5F);
   for (int y = 0; y < 40; ++y) {
     for (int x = 0; x < 100; ++x) {
       EXPECT_EQ(mask.At(x, y), x >= 50 ? 255 : 0) << x << " " << y;

@@ -192,7 +192,9 @@ class OpenVinoSegmenter final : public Segmenter {
         ClassProbability({output.data<float>() + index * size, size}, grid.width * grid.height, classes,
                          model_.output_order, model_.labels);
     const double threshold = options_.threshold > 0 ? options_.threshold : model_.threshold;
-    return MaskFromProbability(probability, grid, width, height, static_cast<float>(threshold));
+    const double unsure = std::min(options_.unsure >= 0 ? options_.unsure : model_.unsure, threshold);
+    return MaskFromProbability(probability, grid, width, height, static_cast<float>(threshold),
+                               static_cast<float>(unsure));
   }
 
   [[nodiscard]] ScoreGrid GridOf(std::size_t height, std::size_t width) const {

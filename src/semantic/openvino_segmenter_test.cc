@@ -151,7 +151,9 @@ TEST_F(OpenVinoSegmenterTest, ThresholdOfTheOptionsComesFirst) {
   const std::string yaml = "output: {tensor: scores, labels: [2], threshold: 0.2}";
   OpenVinoOptions options;
   options.threshold = 0.3;
-  EXPECT_EQ(Segment(*Channels(yaml, options), {image}).at(0).At(30, 30), 0);
+  EXPECT_EQ(Segment(*Channels(yaml, options), {image}).at(0).At(30, 30), kUnsurePixel);
+  options.unsure = 0.3;
+  EXPECT_EQ(Segment(*Channels(yaml, options), {image}).at(0).At(30, 30), kStaticPixel);
 }
 
 TEST_F(OpenVinoSegmenterTest, BatchesGiveWhatSinglesGive) {

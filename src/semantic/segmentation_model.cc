@@ -126,6 +126,10 @@ void ReadOutput(const Section& output, SegmentationModel& model) {
   if (!(model.threshold > 0 && model.threshold < 1)) {
     output.Refuse("threshold", "between 0 and 1");
   }
+  output.Read("unsure", model.unsure, "a number from 0 to the threshold");
+  if (!(model.unsure >= 0 && model.unsure <= model.threshold)) {
+    output.Refuse("unsure", "from 0 to the threshold");
+  }
 }
 
 void ReadYaml(const std::string& file, SegmentationModel& model) {
@@ -138,7 +142,7 @@ void ReadYaml(const std::string& file, SegmentationModel& model) {
   const Section top(file, "", root, {"input", "output", "ignore_rounding"});
   ReadInput(Section(file, "input", top.Child("input"), {"layout", "size", "color", "mean", "scale"}), model);
   ReadOutput(Section(file, "output", top.Child("output"),
-                     {"tensor", "kind", "layout", "stride", "offset", "labels", "threshold"}),
+                     {"tensor", "kind", "layout", "stride", "offset", "labels", "threshold", "unsure"}),
              model);
   top.Read("ignore_rounding", model.ignore_rounding, "true or false");
 }
@@ -236,12 +240,13 @@ std::string ToYaml(const SegmentationModel& model) {
       "  offset: [{}]\n"
       "  labels: [{}]\n"
       "  threshold: {}\n"
+      "  unsure: {}\n"
       "ignore_rounding: {}\n",
       layout(model.input_order), model.input_height, model.input_width, model.input_is_rgb ? "RGB" : "BGR",
       fmt::join(model.mean, ", "), fmt::join(model.scale, ", "), model.output_tensor,
       model.output == SegmentationModel::Output::kLogits ? "logits" : "labels", layout(model.output_order),
       fmt::join(model.stride, ", "), fmt::join(model.offset, ", "), fmt::join(model.labels, ", "), model.threshold,
-      model.ignore_rounding);
+      model.unsure, model.ignore_rounding);
 }
 
 }  // namespace rds

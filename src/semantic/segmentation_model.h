@@ -24,7 +24,8 @@ namespace rds {
 //     stride: [0, 0]        # y, x: input pixels from cell to cell; 0 = first and last cell on the first and last pixel
 //     offset: [0, 0]        # y, x: input pixel under the centre of the first cell
 //     labels: [15]          # prior dynamic classes: their union is the mask
-//     threshold: 0.3        # on the sum of their probabilities
+//     threshold: 0.3        # on the sum of their probabilities: above, a pixel is dynamic
+//     unsure: 0.05          # above, up to the threshold, it says nothing
 //   ignore_rounding: false  # run a quantised network in floats: faster here than imitating its rounding
 struct SegmentationModel {
   enum class Output { kLogits, kLabels };
@@ -43,6 +44,7 @@ struct SegmentationModel {
   std::array<double, 2> offset = {0, 0};  // y, x
   std::vector<int> labels = {15};
   double threshold = 0.3;
+  double unsure = 0.05;
   bool ignore_rounding = false;
 
   // Where the output's cells lie, for a network input and output of these sizes.

@@ -76,6 +76,7 @@ TEST_F(SegmentationModelTest, YamlIsReadAndWrittenBack) {
   model.offset = {4, 2};
   model.labels = {15, 12};
   model.threshold = 0.4;
+  model.unsure = 0.1;
   model.ignore_rounding = true;
   Write("mine.onnx.yaml", ToYaml(model));
   const SegmentationModel read = LoadSegmentationModel(model.weights);
@@ -103,6 +104,8 @@ TEST_F(SegmentationModelTest, BadDescriptionsNameFileAndKey) {
       {"output: {labels: [-1]}", "output.labels"},
       {"output: {threshold: 1.5}", "output.threshold"},
       {"output: {threshold: high}", "output.threshold"},
+      {"output: {unsure: -0.1}", "output.unsure"},
+      {"output: {threshold: 0.2, unsure: 0.3}", "output.unsure"},
       {"output: {kind: boxes}", "output.kind"},
       {"output: {stride: [-16, 16]}", "output.stride"},
       {"output: {offset: [.nan, 0]}", "output.offset"},

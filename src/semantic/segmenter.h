@@ -23,9 +23,9 @@ class Segmenter {
  public:
   virtual ~Segmenter() = default;
 
-  // Masks of the prior dynamic classes, one for each input, of the input's size, one channel: 255 = dynamic, 0 = not;
-  // undilated. An empty image says "no answer for this one". Blocks as long as it takes. May throw any std::exception:
-  // the caller logs it and goes on without these labels.
+  // Masks of the prior dynamic classes, one for each input, of the input's size, one channel, undilated, of the
+  // pixels that mask.h names: dynamic, unsure, static. An empty image says "no answer for this one". Blocks as long as
+  // it takes. May throw any std::exception: the caller logs it and goes on without these labels.
   [[nodiscard]] virtual std::vector<Image8> Segment(std::span<const SegmentationInput> inputs) = 0;
 
   // Asks a Segment under way, and every later one, to return soon (with empty images). Returns at once.

@@ -3,6 +3,11 @@
 #include <numbers>
 
 namespace rds {
+namespace {
+
+bool IsMadeBy(const MapPoint& point, KeyframeId keyframe) { return point.sightings.front().keyframe == keyframe; }
+
+}  // namespace
 
 std::optional<SemanticPoseProblem> CopyStaticMatches(const Map& map, KeyframeId id,
                                                      const MovingProbabilities& probabilities,
@@ -19,8 +24,8 @@ std::optional<SemanticPoseProblem> CopyStaticMatches(const Map& map, KeyframeId 
     }
     const MapPoint& point = map.At(keyframe->points[i]);
     const double p = probabilities.Get(point.id);
-    // A point that only this keyframe sees says nothing about its pose.
-    if (point.sightings.size() < 2 || StateOf(p, probability_options) != PointState::kStatic) {
+    // A point that this keyframe made lies where its pose put it and says nothing about that pose.
+    if (IsMadeBy(point, id) || StateOf(p, probability_options) != PointState::kStatic) {
       continue;
     }
     const Keypoint& keypoint = keyframe->data->keypoints()[i];
@@ -53,7 +58,7 @@ bool ApplySemanticPose(Map& map, const SemanticPoseProblem& problem, const PoseR
   }
   map.SetPose(keyframe->id, result.camera_from_world);
   for (const PointId id : keyframe->points) {
-    if (id.valid() && map.At(id).sightings.size() == 1) {
+    if (id.valid() && IsMadeBy(map.At(id), problem.keyframe)) {
       MapPoint& point = map.At(id);
       point.position = new_world_from_old_world * point.position;
       map.UpdateNormal(id);

@@ -38,6 +38,8 @@ void BindTracking(TrackerOptions& options, OptionTable& table) {
   AssociationOptions& association = options.association;
   table.Flag("tracking.use_semantics", association.use_semantics,
              "let moving probabilities select the matches (Algorithm 2)");
+  table.Int("tracking.proven_sightings", association.proven_sightings, 1, 255,
+            "a point that fewer keyframes see has proportionally less weight");
   table.Int("tracking.tau", association.tau, 0, 10000, "static matches that are enough (Algorithm 2)");
   table.Choice("tracking.unknown", association.unknown,
                {{"paper", UnknownPoints::kPaper}, {"always", UnknownPoints::kAlways}, {"gated", UnknownPoints::kGated}},
@@ -123,6 +125,8 @@ void BindSemantic(SemanticOptions& options, OptionTable& table) {
   table.Flag("semantic.batch", options.batch, "segment them in one request, not one by one");
   table.Int("semantic.backlog", options.backlog, 2, 10000, "images of unlabelled keyframes kept");
   table.Int("semantic.dilation_px", options.dilation_px, 0, 200, "dilation of masks, pixels at an image width of 640");
+  table.Real("semantic.complete_step_depth", options.complete_step_depth, 0, 1,
+             "unsure pixels join dynamic ones over steps in depth of at most this share; 0 = never");
   table.Real("semantic.max_mask_share", options.max_mask_share, 0.01, 1, "share of the image that a mask may cover");
   table.Real("semantic.finish_timeout_s", options.finish_timeout_s, 0, 3600,
              "time for missing labels at the end, seconds");
@@ -137,6 +141,8 @@ void BindSemantic(SemanticOptions& options, OptionTable& table) {
   table.Real("semantic.floor", probability.floor, 0, 0.3, "least distance of a probability from 0 and 1");
   table.Flag("semantic.optimisation", options.optimizer.enabled,
              "correct poses of keyframes once labelled (section VI-A)");
+  table.Int("semantic.optimisation_keyframes", options.optimizer.most_keyframes, 1, 10000,
+            "keyframes corrected at a time: a labelled one and those after it");
   table.Int("semantic.optimisation_min_static", options.optimizer.min_static, 3, 10000,
             "static matches that this needs");
   table.Real("semantic.optimisation_min_shift_m", options.optimizer.min_shift_m, 0, 10,
@@ -154,6 +160,8 @@ void BindSegmenter(SegmenterOptions& options, OptionTable& table) {
              "back end openvino: weights, a file or fast or accurate; empty: $RDS_WEIGHTS, else what was fetched");
   table.Real("semantic.openvino.threshold", openvino.threshold, 0, 1,
              "probability from which a pixel is dynamic; 0: as the weights' description says");
+  table.Real("semantic.openvino.unsure", openvino.unsure, -1, 1,
+             "probability from which, up to the threshold, a pixel says nothing; -1: as the weights' description says");
   table.Int("semantic.openvino.threads", openvino.threads, 1, 256, "threads that inference uses");
   table.Int("semantic.openvino.max_batch", openvino.max_batch, 1, 2, "images in a run of the network");
   table.Text("semantic.openvino.device", openvino.device, "device, as OpenVINO names it");

@@ -8,6 +8,7 @@
 #include "base/time.h"
 #include "semantic/evidence.h"
 #include "semantic/mask.h"
+#include "semantic/mask_completion.h"
 
 namespace rds {
 namespace {
@@ -94,6 +95,7 @@ LabelledRound Pipeline::Segment(std::vector<BacklogItem> items) {
       log::warn("unusable mask of frame {} ({}): {}", round.items[i].frame.value, segmenter_->Name(), *problem);
       mask = {};
     } else {
+      CompleteMask(round.items[i].data->depth_grid(), options_.semantic.complete_step_depth, mask);
       mask = Dilate(mask, DilationRadius(image.width, options_.semantic.dilation_px));
     }
     round.items[i].image.reset();  // used up
@@ -103,60 +105,78 @@ LabelledRound Pipeline::Segment(std::vector<BacklogItem> items) {
 }
 
 void Pipeline::ApplyRound(const LabelledRound& round) {
+  std::vector<LabelEvent> events;
+  std::vector<std::size_t> fronts;  // of `events`
   for (std::size_t i = 0; i < round.items.size(); ++i) {
-    const BacklogItem& item = round.items[i];
-    if (round.masks[i].empty()) {
-      continue;
-    }
-    Stopwatch watch;
-    std::vector<KeypointLabel> labels = LabelKeypoints(*item.data, round.masks[i]);
-    for (std::size_t k = 0; k < item.tracks.size(); ++k) {
-      if (item.tracks[k].valid()) {
-        track_labels_.Observe(item.tracks[k], labels[k] == KeypointLabel::kDynamic, options_.semantic.probability);
+    if (!round.masks[i].empty()) {
+      if (round.items[i].from_front) {
+        fronts.push_back(events.size());
       }
+      events.push_back(ApplyMask(round.items[i], round.masks[i]));
+      events.back().segmentation_ms = round.segmentation_ms;
+      events.back().mask_ms = round.mask_ms;
     }
-    world_.Write([&](World& world) {
-      if (const Keyframe* keyframe = FindByFrame(world.map, item.frame)) {
-        ApplyLabels(world.map, keyframe->id, std::move(labels), probabilities_, options_.semantic.probability);
-      } else if (world.map.keyframes().empty() || world.map.At(world.map.newest()).frame < item.frame) {
-        world.early_labels[item.frame] = std::move(labels);  // mapping has not come to it yet
-      }
-    });
-    LabelEvent event{item.frame,
-                     FrameId{current_frame_.load(std::memory_order_relaxed)},
-                     round.segmentation_ms,
-                     round.mask_ms,
-                     watch.Milliseconds(),
-                     0};
-    if (newest_labelled() < static_cast<std::int64_t>(item.frame.value)) {
-      newest_labelled_.store(item.frame.value, std::memory_order_relaxed);
-      mask_.Publish(
-          std::make_shared<const MaskView>(MaskView{item.frame, std::make_shared<const Image8>(round.masks[i])}));
-    }
-    if (item.from_front && options_.semantic.optimizer.enabled) {
-      watch.Restart();
-      OptimizeSemantically(item.frame);
-      event.optimisation_ms = watch.Milliseconds();
-    }
-    figures_.Write([&](Figures& figures) { figures.labels.push_back(event); });
   }
-  figures_.Write([&](Figures& figures) { figures.segmentation_failures += round.failures; });
+  if (options_.semantic.optimizer.enabled) {
+    for (const std::size_t front : fronts) {
+      const Stopwatch watch;
+      OptimizeFrom(events[front].labelled_frame);
+      events[front].optimisation_ms = watch.Milliseconds();
+    }
+  }
+  figures_.Write([&](Figures& figures) {
+    figures.labels.insert(figures.labels.end(), events.begin(), events.end());
+    figures.segmentation_failures += round.failures;
+  });
 }
 
-void Pipeline::OptimizeSemantically(FrameId frame) {
-  const auto problem = world_.Read([&](const World& world) -> std::optional<SemanticPoseProblem> {
-    const Keyframe* keyframe = FindByFrame(world.map, frame);
-    if (keyframe == nullptr) {
-      return std::nullopt;
+LabelEvent Pipeline::ApplyMask(const BacklogItem& item, const Image8& mask) {
+  const Stopwatch watch;
+  std::vector<KeypointLabel> labels = LabelKeypoints(*item.data, mask);
+  for (std::size_t k = 0; k < item.tracks.size(); ++k) {
+    if (item.tracks[k].valid() && labels[k] != KeypointLabel::kNone) {
+      track_labels_.Observe(item.tracks[k], labels[k] == KeypointLabel::kDynamic, options_.semantic.probability);
     }
-    return CopyStaticMatches(world.map, keyframe->id, probabilities_, options_.semantic.probability,
-                             options_.semantic.optimizer);
+  }
+  world_.Write([&](World& world) {
+    if (const Keyframe* keyframe = FindByFrame(world.map, item.frame)) {
+      ApplyLabels(world.map, keyframe->id, std::move(labels), probabilities_, options_.semantic.probability);
+    } else if (world.map.keyframes().empty() || world.map.At(world.map.newest()).frame < item.frame) {
+      world.early_labels[item.frame] = std::move(labels);  // mapping has not come to it yet
+    }
   });
-  if (problem) {
-    const PoseResult result =
-        OptimizePose(problem->camera, problem->camera_from_world, problem->observations, options_.pose);
-    world_.Write(
-        [&](World& world) { return ApplySemanticPose(world.map, *problem, result, options_.semantic.optimizer); });
+  LabelEvent event;
+  event.labelled_frame = item.frame;
+  event.current_frame = FrameId{current_frame_.load(std::memory_order_relaxed)};
+  event.update_ms = watch.Milliseconds();
+  if (newest_labelled() < static_cast<std::int64_t>(item.frame.value)) {
+    newest_labelled_.store(item.frame.value, std::memory_order_relaxed);
+    mask_.Publish(std::make_shared<const MaskView>(MaskView{item.frame, std::make_shared<const Image8>(mask)}));
+  }
+  return event;
+}
+
+void Pipeline::OptimizeFrom(FrameId frame) {
+  const std::vector<KeyframeId> keyframes = world_.Read([&](const World& world) {
+    std::vector<KeyframeId> from;
+    for (const KeyframeId id : world.map.keyframes()) {
+      if (world.map.At(id).frame >= frame && std::ssize(from) < options_.semantic.optimizer.most_keyframes) {
+        from.push_back(id);
+      }
+    }
+    return from;
+  });
+  for (const KeyframeId keyframe : keyframes) {
+    const auto problem = world_.Read([&](const World& world) {
+      return CopyStaticMatches(world.map, keyframe, probabilities_, options_.semantic.probability,
+                               options_.semantic.optimizer);
+    });
+    if (problem) {
+      const PoseResult result =
+          OptimizePose(problem->camera, problem->camera_from_world, problem->observations, options_.pose);
+      world_.Write(
+          [&](World& world) { return ApplySemanticPose(world.map, *problem, result, options_.semantic.optimizer); });
+    }
   }
 }
 

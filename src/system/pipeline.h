@@ -77,7 +77,10 @@ class Pipeline {
 
   void AdjustLocally(KeyframeId keyframe, const std::function<bool()>& hurry);
   void PublishAround(KeyframeId keyframe);
-  void OptimizeSemantically(FrameId frame);
+  // One label's way into the map.
+  LabelEvent ApplyMask(const BacklogItem& item, const Image8& mask);
+  // Corrects the keyframe of a frame and those after it, in their order.
+  void OptimizeFrom(FrameId frame);
 
   Options options_;
   ScalePyramid pyramid_;

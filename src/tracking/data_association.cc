@@ -3,6 +3,25 @@
 #include <algorithm>
 
 namespace rds {
+namespace {
+
+// What a point has shown of itself: one that moves is made anew again and again, and few keyframes see it.
+double Proven(const LocalMap& map, std::uint32_t point, const AssociationOptions& options) {
+  return std::min<int>(map.sightings[point], options.proven_sightings) / static_cast<double>(options.proven_sightings);
+}
+
+// Scales the weights so that the best match has weight 1.
+void ScaleToOne(std::vector<PointMatch>& matches) {
+  double most = 0;
+  for (const PointMatch& match : matches) {
+    most = std::max(most, match.weight);
+  }
+  for (PointMatch& match : matches) {
+    match.weight /= most;
+  }
+}
+
+}  // namespace
 
 Association SelectMatches(std::span<const PointMatch> matches, const LocalMap& map,
                           const MovingProbabilities& probabilities, std::span<const double> keypoint_probabilities,
@@ -10,6 +29,10 @@ Association SelectMatches(std::span<const PointMatch> matches, const LocalMap& m
   Association result;
   if (!options.use_semantics) {
     result.used.assign(matches.begin(), matches.end());
+    for (PointMatch& match : result.used) {
+      match.weight = Proven(map, match.point, options);
+    }
+    ScaleToOne(result.used);
     return result;
   }
   std::vector<PointMatch> unknown;
@@ -19,7 +42,7 @@ Association SelectMatches(std::span<const PointMatch> matches, const LocalMap& m
       p = keypoint_probabilities[match.keypoint];
     }
     match.state = StateOf(p, options.probability);
-    match.weight = 1.0 - p;
+    match.weight = (1.0 - p) * Proven(map, match.point, options);
     switch (match.state) {
       case PointState::kStatic:
         result.used.push_back(match);
@@ -41,13 +64,7 @@ Association SelectMatches(std::span<const PointMatch> matches, const LocalMap& m
   } else {
     result.set_aside = std::move(unknown);
   }
-  double most = 0;
-  for (const PointMatch& match : result.used) {
-    most = std::max(most, match.weight);
-  }
-  for (PointMatch& match : result.used) {
-    match.weight /= most;
-  }
+  ScaleToOne(result.used);
   return result;
 }
 

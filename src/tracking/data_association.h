@@ -21,8 +21,9 @@ struct AssociationOptions {
   bool use_semantics = true;  // false: every match is used, as if no point had a label
   int tau = 20;               // static matches that are enough
   UnknownPoints unknown = UnknownPoints::kGated;
-  int few_static = 60;   // kGated: below so many static inliers unknown ones are let in
-  int pose_static = 10;  // kGated: so many static matches give a pose of their own
+  int few_static = 60;       // kGated: below so many static inliers unknown ones are let in
+  int pose_static = 10;      // kGated: so many static matches give a pose of their own
+  int proven_sightings = 4;  // a point that fewer keyframes see has proportionally less weight
   MovingProbabilityOptions probability;
 };
 
@@ -31,7 +32,8 @@ struct PointMatch {
   std::uint32_t keypoint = 0;
   std::uint32_t point = 0;  // index into LocalMap
   PointState state = PointState::kUnknown;
-  double weight = 1;  // 1 - p, scaled so that the best match that is used has weight 1
+  double weight =
+      1;  // 1 - p, less for a point that is not proven, scaled so that the best match that is used has weight 1
 };
 
 // Outcome of Algorithm 2. `used` holds static matches before unknown ones.

@@ -18,6 +18,7 @@ struct Scene {
     for (int i = 0; i < count; ++i) {
       const auto index = static_cast<std::uint32_t>(map.ids.size());
       map.ids.push_back(PointId{index});
+      map.sightings.push_back(10);
       probabilities.Set(PointId{index}, probability);
       matches.push_back({index, index, PointState::kUnknown, 1.0});
     }
@@ -92,6 +93,26 @@ TEST(DataAssociation, AKeypointsLabelSpeaksForAnUnknownPointOnly) {
   EXPECT_EQ(association.dynamic[0].point, 0U);
   ASSERT_EQ(association.used.size(), 1U);
   EXPECT_EQ(association.used[0].point, 1U);
+}
+
+TEST(DataAssociation, PointsThatFewKeyframesSeeWeighLess) {
+  Scene scene;
+  scene.Add(3, 0.1);
+  scene.map.sightings = {1, 3, 200};
+  AssociationOptions options;
+  options.proven_sightings = 4;
+  for (const bool semantics : {true, false}) {
+    options.use_semantics = semantics;
+    const Association association = scene.Select(options);
+    ASSERT_EQ(association.used.size(), 3U);
+    EXPECT_NEAR(association.used[0].weight, 0.25, 1e-9);
+    EXPECT_NEAR(association.used[1].weight, 0.75, 1e-9);
+    EXPECT_NEAR(association.used[2].weight, 1.0, 1e-9);
+  }
+  scene.map.sightings = {1, 1, 1};  // all of them new: none better than another
+  for (const PointMatch& match : scene.Select(options).used) {
+    EXPECT_EQ(match.weight, 1.0);
+  }
 }
 
 TEST(DataAssociation, OnlyDynamicMatchesLeaveNothing) {
