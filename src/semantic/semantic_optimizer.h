@@ -12,10 +12,10 @@ namespace rds {
 
 struct SemanticOptimizerOptions {
   bool enabled = true;
-  int most_keyframes = 30;    // a labelled one and those after it, whose poses hang on its own
-  int min_static = 50;        // static matches that a keyframe needs
-  double min_shift_m = 0.02;  // smaller corrections are left to bundle adjustment ...
-  double min_turn_deg = 0.3;  // ... unless the rotation is larger than this
+  int most_keyframes = 30;     // a labelled one and those after it, whose poses hang on its own
+  int min_static = 50;         // static matches that a keyframe needs
+  double min_shift_m = 0.002;  // smaller corrections are not written: they are noise ...
+  double min_turn_deg = 0.05;  // ... unless the rotation is larger than this
 };
 
 // One keyframe's matches to static points that older keyframes made, copied out of the map.

@@ -153,11 +153,13 @@ TEST(SemanticOptimizer, WritesNoCorrectionThatIsNoise) {
   EXPECT_TRUE(writes(0, 0.051));
 }
 
-TEST(SemanticOptimizer, PointsThatOnlyThisKeyframeSeesMoveWithIt) {
+TEST(SemanticOptimizer, PointsThatThisKeyframeMadeMoveWithItThoughLaterOnesSeeThem) {
   Scene scene;
   // Placed from the keyframe's depth at the wrong pose, as mapping does.
   const PointId own = scene.map.AddPoint(scene.wrong.Inverse() * (scene.truth * scene.own), scene.second, kPoints).id;
   scene.probabilities.Set(own, 0.1);
+  const KeyframeId third = scene.map.AddKeyframe(FrameId{9}, 9, scene.truth, Data(scene.truth, {scene.own})).id;
+  ASSERT_TRUE(scene.map.AddSighting(own, third, 0));
   ASSERT_GT((scene.map.At(own).position - scene.own).norm(), 0.02);
   const Eigen::Vector3d shared = scene.map.At(PointId{0}).position;
   const auto problem = scene.Copy(scene.second);
@@ -168,6 +170,10 @@ TEST(SemanticOptimizer, PointsThatOnlyThisKeyframeSeesMoveWithIt) {
   EXPECT_EQ(scene.map.At(PointId{0}).position, shared);
   const Eigen::Vector3d ray = scene.own - scene.truth.Inverse().translation;
   EXPECT_THAT(scene.map.At(own).normal, MatrixNear(ray.normalized().eval(), 1e-3));
+  // To the later keyframe it is a point of an older one: it takes part there.
+  scene.options.min_static = 1;
+  ASSERT_TRUE(scene.Copy(third).has_value());
+  EXPECT_EQ(scene.Copy(third)->observations.size(), 1U);
 }
 
 }  // namespace
