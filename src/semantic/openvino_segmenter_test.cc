@@ -298,7 +298,7 @@ TEST_F(OpenVinoWeightsTest, TheShortenedGraphSeesWhatThePublishedOneSees) {
   whole.output = SegmentationModel::Output::kLabels;
   whole.stride = {0, 0};
   SegmentationModel shortened = LoadSegmentationModel(original);
-  shortened.threshold = 0.5;  // about where a class wins the arg-max
+  shortened.threshold = shortened.unsure = 0.5;  // about where a class wins the arg-max
   const Image8 a = Segment(*MakeOpenVinoSegmenter(whole, {}), {People()}).at(0);
   const Image8 b = Segment(*MakeOpenVinoSegmenter(shortened, {}), {People()}).at(0);
   EXPECT_GT(IntersectionOverUnion(a, b), 0.85);

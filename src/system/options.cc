@@ -39,7 +39,7 @@ void BindTracking(TrackerOptions& options, OptionTable& table) {
   table.Flag("tracking.use_semantics", association.use_semantics,
              "let moving probabilities select the matches (Algorithm 2)");
   table.Int("tracking.proven_sightings", association.proven_sightings, 1, 255,
-            "a point that fewer keyframes see has proportionally less weight");
+            "with semantics, a point that fewer keyframes see has proportionally less weight");
   table.Int("tracking.tau", association.tau, 0, 10000, "static matches that are enough (Algorithm 2)");
   table.Choice("tracking.unknown", association.unknown,
                {{"paper", UnknownPoints::kPaper}, {"always", UnknownPoints::kAlways}, {"gated", UnknownPoints::kGated}},

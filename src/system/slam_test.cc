@@ -167,7 +167,7 @@ TEST(Slam, SemanticsKeepThoseWhoWalkTogetherOutOfTheMap) {
   const SlamResult with = RunAll(frames, options, TrueMasks(frames));
   EXPECT_EQ(with.tracked_frames, synthetic.frames);
   EXPECT_LT(AteRmse(with, frames), 0.02);
-  EXPECT_GT(AteRmse(without, frames), 2 * AteRmse(with, frames));
+  EXPECT_GT(AteRmse(without, frames), 5 * AteRmse(with, frames));
 }
 
 TEST(Slam, TracksThreaded) {

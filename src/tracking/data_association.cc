@@ -29,10 +29,6 @@ Association SelectMatches(std::span<const PointMatch> matches, const LocalMap& m
   Association result;
   if (!options.use_semantics) {
     result.used.assign(matches.begin(), matches.end());
-    for (PointMatch& match : result.used) {
-      match.weight = Proven(map, match.point, options);
-    }
-    ScaleToOne(result.used);
     return result;
   }
   std::vector<PointMatch> unknown;

@@ -23,7 +23,7 @@ struct AssociationOptions {
   UnknownPoints unknown = UnknownPoints::kGated;
   int few_static = 60;       // kGated: below so many static inliers unknown ones are let in
   int pose_static = 10;      // kGated: so many static matches give a pose of their own
-  int proven_sightings = 4;  // a point that fewer keyframes see has proportionally less weight
+  int proven_sightings = 4;  // with semantics, a point that fewer keyframes see has proportionally less weight
   MovingProbabilityOptions probability;
 };
 

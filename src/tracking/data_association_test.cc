@@ -101,14 +101,11 @@ TEST(DataAssociation, PointsThatFewKeyframesSeeWeighLess) {
   scene.map.sightings = {1, 3, 200};
   AssociationOptions options;
   options.proven_sightings = 4;
-  for (const bool semantics : {true, false}) {
-    options.use_semantics = semantics;
-    const Association association = scene.Select(options);
-    ASSERT_EQ(association.used.size(), 3U);
-    EXPECT_NEAR(association.used[0].weight, 0.25, 1e-9);
-    EXPECT_NEAR(association.used[1].weight, 0.75, 1e-9);
-    EXPECT_NEAR(association.used[2].weight, 1.0, 1e-9);
-  }
+  const Association association = scene.Select(options);
+  ASSERT_EQ(association.used.size(), 3U);
+  EXPECT_NEAR(association.used[0].weight, 0.25, 1e-9);
+  EXPECT_NEAR(association.used[1].weight, 0.75, 1e-9);
+  EXPECT_NEAR(association.used[2].weight, 1.0, 1e-9);
   scene.map.sightings = {1, 1, 1};  // all of them new: none better than another
   for (const PointMatch& match : scene.Select(options).used) {
     EXPECT_EQ(match.weight, 1.0);
