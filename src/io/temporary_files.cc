@@ -5,9 +5,10 @@
 #include <array>
 #include <atomic>
 #include <cerrno>
+#include <climits>
 #include <cstdio>
-#include <cstdlib>
 #include <cstring>
+#include <string>
 #include <utility>
 
 namespace rds {
@@ -16,20 +17,28 @@ namespace {
 // More than are ever under way at once. A path beyond them is removed by its destructor all the same.
 constexpr int kSlots = 64;
 
-// A path belongs to whoever takes it out of its slot, so the signal handler never reads one that is being freed.
-std::array<std::atomic<char*>, kSlots> slots{};
-static_assert(std::atomic<char*>::is_always_lock_free, "a signal handler reads them");
+enum class SlotState { kFree, kTaken, kUnderWay, kRemoved };
+
+// Nothing in it is ever freed, so the signal handler may read it at any moment.
+struct Slot {
+  std::atomic<SlotState> state = SlotState::kFree;
+  std::array<char, PATH_MAX> path{};
+};
+std::array<Slot, kSlots> slots;
+static_assert(std::atomic<SlotState>::is_always_lock_free, "a signal handler reads them");
 
 // A free slot, filled with a copy of the path; -1 if there is none.
 int Occupy(const std::filesystem::path& path) {
-  char* const copy = strdup(path.c_str());
-  for (int i = 0; copy != nullptr && i < kSlots; ++i) {
-    char* expected = nullptr;
-    if (slots[static_cast<std::size_t>(i)].compare_exchange_strong(expected, copy)) {
+  const std::string& text = path.native();
+  for (int i = 0; text.size() < PATH_MAX && i < kSlots; ++i) {
+    Slot& slot = slots[static_cast<std::size_t>(i)];
+    SlotState expected = SlotState::kFree;
+    if (slot.state.compare_exchange_strong(expected, SlotState::kTaken)) {
+      std::memcpy(slot.path.data(), text.c_str(), text.size() + 1);
+      slot.state = SlotState::kUnderWay;
       return i;
     }
   }
-  std::free(copy);
   return -1;
 }
 
@@ -60,14 +69,16 @@ void TemporaryPath::Remove() {
 void TemporaryPath::Disown() {
   path_.clear();
   if (slot_ >= 0) {
-    std::free(slots[static_cast<std::size_t>(std::exchange(slot_, -1))].exchange(nullptr));
+    SlotState expected = SlotState::kUnderWay;  // a removed one stays so: the program is ending
+    slots[static_cast<std::size_t>(std::exchange(slot_, -1))].state.compare_exchange_strong(expected, SlotState::kFree);
   }
 }
 
 void RemoveTemporaryFiles() noexcept {
-  for (std::atomic<char*>& slot : slots) {
-    if (const char* const path = slot.exchange(nullptr)) {
-      unlink(path);
+  for (Slot& slot : slots) {
+    SlotState expected = SlotState::kUnderWay;
+    if (slot.state.compare_exchange_strong(expected, SlotState::kRemoved)) {
+      unlink(slot.path.data());
     }
   }
 }
