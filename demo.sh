@@ -64,15 +64,26 @@ synthetic_demo() {
   say "  video       $with/video.mp4, its last picture $with/last_frame.png"
 }
 
+# The weights of the default segmenter, from a folder beside the repository where there is one (RDS_SHARED names it).
+fetch_weights() {
+  local models=${RDS_SHARED:-$ROOT/../shared}/models
+  if [ -z "${RDS_WEIGHTS_URL:-}" ] && [ -d "$models" ]; then
+    export RDS_WEIGHTS_URL=file://$(realpath "$models")
+  fi
+  "$RDS" fetch weights || say "going on without them"
+}
+
 own_sequence() {
-  local sequence=$1 name option out=""
+  local sequence=$1 name option out="" weights=wanted
   shift
   [ -d "$sequence" ] || die "there is no folder $sequence (./demo.sh --help tells more)"
   name=$(basename "$(realpath "$sequence")")
   for option in "$@"; do
     [[ $option == --out || $option == --out=* ]] && out=given
+    [[ $option =~ ^--(segmenter|model)(=|$) ]] && weights=chosen
   done
   prepare
+  [ $weights = chosen ] || fetch_weights
   if [ -z "$out" ]; then
     set -- --out "$OUT/$name" "$@"
   fi

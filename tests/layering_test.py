@@ -34,6 +34,7 @@ THREADS_ALLOWED = {
     "semantic/stored_segmenter.h": "stands in for a slow network: it waits",
     "semantic/openvino_segmenter.cc": "a back end guards its own runtime",
     "semantic/faulty_segmenter.h": "stands in for a network that fails: it waits",
+    "testing/synthetic_sequence.cc": "renders frames on all cores",
     "cli/playback.cc": "plays a recording at its recorded times",
 }
 

@@ -19,6 +19,12 @@ void ObserveLabel(const Keyframe& keyframe, std::uint32_t keypoint, PointId poin
 
 }  // namespace
 
+KeypointLabel LabelOfPixel(std::uint8_t pixel) {
+  return pixel == kStaticPixel   ? KeypointLabel::kStatic
+         : pixel == kUnsurePixel ? KeypointLabel::kNone
+                                 : KeypointLabel::kDynamic;
+}
+
 std::vector<KeypointLabel> LabelKeypoints(const FrameData& data, const Image8& mask) {
   Check(mask.width == data.camera().width && mask.height == data.camera().height && mask.channels == 1,
         "the mask has the size of the image");
@@ -27,10 +33,7 @@ std::vector<KeypointLabel> LabelKeypoints(const FrameData& data, const Image8& m
   for (const Keypoint& keypoint : data.keypoints()) {
     const int x = std::clamp(static_cast<int>(std::lround(keypoint.raw_x)), 0, mask.width - 1);
     const int y = std::clamp(static_cast<int>(std::lround(keypoint.raw_y)), 0, mask.height - 1);
-    const std::uint8_t pixel = mask.At(x, y);
-    labels.push_back(pixel == kStaticPixel   ? KeypointLabel::kStatic
-                     : pixel == kUnsurePixel ? KeypointLabel::kNone
-                                             : KeypointLabel::kDynamic);
+    labels.push_back(LabelOfPixel(mask.At(x, y)));
   }
   return labels;
 }

@@ -7,6 +7,9 @@
 
 namespace rds {
 
+// What a pixel of a mask says.
+[[nodiscard]] KeypointLabel LabelOfPixel(std::uint8_t pixel);
+
 // Labels of keypoints under a dilated mask of the recorded image's size; none where it is unsure.
 [[nodiscard]] std::vector<KeypointLabel> LabelKeypoints(const FrameData& data, const Image8& mask);
 

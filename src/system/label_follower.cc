@@ -12,8 +12,8 @@ constexpr int kMoveEvery = 10;  // frames; the caller may have moved to another 
 }  // namespace
 
 LabelFollower::LabelFollower(const FeatureTrackOptions& options, const MovingProbabilityOptions& probability,
-                             MovingProbabilities& labels, bool lockstep)
-    : tracks_(options), probability_(probability), labels_(labels) {
+                             const FreeSpaceOptions& space, MovingProbabilities& labels, bool lockstep)
+    : tracks_(options), probability_(probability), space_(space), labels_(labels) {
   if (!lockstep) {
     worker_.emplace([this] { Run(); });
   }
@@ -37,15 +37,20 @@ void LabelFollower::Run() {
   }
 }
 
-KeypointLabels LabelFollower::Follow(std::shared_ptr<const FrameData> frame) {
-  return tracks_.Follow(std::move(frame), labels_, probability_);
+KeypointLabels LabelFollower::Follow(Request request) {
+  std::vector<KeypointLabel> judged;
+  if (space_.enabled && request.views && request.expected) {
+    judged = JudgeBySpace(*request.frame, *request.expected, *request.views, space_);
+  }
+  return tracks_.Follow(std::move(request.frame), judged, labels_, probability_);
 }
 
-void LabelFollower::Begin(std::shared_ptr<const FrameData> frame) {
+void LabelFollower::Begin(std::shared_ptr<const FrameData> frame, std::shared_ptr<const std::vector<SeenView>> views,
+                          const std::optional<Rigid3>& expected) {
   if (worker_ && begun_++ % kMoveEvery == 0) {
     worker_->LeaveCallersCore();
   }
-  Check(frames_.TryPush(std::move(frame)), "Get follows Begin");
+  Check(frames_.TryPush({std::move(frame), std::move(views), expected}), "Get follows Begin");
 }
 
 KeypointLabels LabelFollower::Get() {

@@ -6,6 +6,7 @@
 
 #include "runtime/bounded_queue.h"
 #include "runtime/worker.h"
+#include "semantic/free_space.h"
 #include "tracking/feature_tracks.h"
 
 namespace rds {
@@ -17,21 +18,31 @@ class LabelFollower {
  public:
   // The table of labels by track must outlive it.
   LabelFollower(const FeatureTrackOptions& options, const MovingProbabilityOptions& probability,
-                MovingProbabilities& labels, bool lockstep);
+                const FreeSpaceOptions& space, MovingProbabilities& labels, bool lockstep);
   ~LabelFollower();
 
-  void Begin(std::shared_ptr<const FrameData> frame);
+  // `views` are labelled ones, may be null; `expected` is the pose (camera from world) that the frame should have,
+  // nothing where it cannot be told.
+  void Begin(std::shared_ptr<const FrameData> frame, std::shared_ptr<const std::vector<SeenView>> views,
+             const std::optional<Rigid3>& expected);
   // Waits for the labels of the frame that was begun. Throws what the thread threw.
   [[nodiscard]] KeypointLabels Get();
 
  private:
+  struct Request {
+    std::shared_ptr<const FrameData> frame;
+    std::shared_ptr<const std::vector<SeenView>> views;
+    std::optional<Rigid3> expected;
+  };
+
   void Run();
-  [[nodiscard]] KeypointLabels Follow(std::shared_ptr<const FrameData> frame);
+  [[nodiscard]] KeypointLabels Follow(Request request);
 
   FeatureTracks tracks_;
   MovingProbabilityOptions probability_;
+  FreeSpaceOptions space_;
   MovingProbabilities& labels_;
-  BoundedQueue<std::shared_ptr<const FrameData>> frames_{1};
+  BoundedQueue<Request> frames_{1};
   BoundedQueue<KeypointLabels> results_{1};
   int begun_ = 0;
   std::optional<Worker> worker_;  // none in lockstep

@@ -23,9 +23,9 @@ std::shared_ptr<const FrameData> Frame(int keypoints) {
 TEST(LabelFollowerTest, AnswersForTheFrameThatWasBegunOnAThreadAndInLockstepAlike) {
   for (const bool lockstep : {true, false}) {
     MovingProbabilities table;
-    LabelFollower follower({}, {}, table, lockstep);
+    LabelFollower follower({}, {}, {}, table, lockstep);
     for (const int keypoints : {10, 0, 300}) {
-      follower.Begin(Frame(keypoints));
+      follower.Begin(Frame(keypoints), nullptr, Rigid3{});
       const KeypointLabels labels = follower.Get();
       EXPECT_EQ(labels.tracks.size(), static_cast<std::size_t>(keypoints));
       EXPECT_EQ(labels.probabilities.size(), static_cast<std::size_t>(keypoints));
@@ -35,20 +35,21 @@ TEST(LabelFollowerTest, AnswersForTheFrameThatWasBegunOnAThreadAndInLockstepAlik
 
 TEST(LabelFollowerTest, EndsWithAnAnswerThatNobodyFetched) {
   MovingProbabilities table;
-  LabelFollower follower({}, {}, table, false);
-  follower.Begin(Frame(100));
+  LabelFollower follower({}, {}, {}, table, false);
+  follower.Begin(Frame(100), nullptr, Rigid3{});
 }
 
 TEST(LabelFollowerTest, AnErrorOfItsThreadReachesTheCallerInsteadOfAHang) {
   for (const bool lockstep : {true, false}) {
     MovingProbabilities table;
-    LabelFollower follower({}, {}, table, lockstep);
+    LabelFollower follower({}, {}, {}, table, lockstep);
     PinholeCamera camera;
     camera.width = 640;
     camera.height = 480;
     DepthGrid without_samples{80, 60, {}};
     follower.Begin(std::make_shared<const FrameData>(camera, std::vector<Keypoint>(1), std::vector<Descriptor>(1),
-                                                     std::move(without_samples)));
+                                                     std::move(without_samples)),
+                   nullptr, Rigid3{});
     EXPECT_THROW((void)follower.Get(), InvariantError);
   }
 }

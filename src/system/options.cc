@@ -124,9 +124,21 @@ void BindSemantic(SemanticOptions& options, OptionTable& table) {
   table.Int("semantic.per_round", options.per_round, 1, 16, "keyframes selected at a time");
   table.Flag("semantic.batch", options.batch, "segment them in one request, not one by one");
   table.Int("semantic.backlog", options.backlog, 2, 10000, "images of unlabelled keyframes kept");
+  table.Int("semantic.start_frames", options.start_frames, 0, 1000,
+            "frames at most that wait for the first label before the map grows, and are tracked again with it");
   table.Int("semantic.dilation_px", options.dilation_px, 0, 200, "dilation of masks, pixels at an image width of 640");
   table.Real("semantic.complete_step_depth", options.complete_step_depth, 0, 1,
              "unsure pixels join dynamic ones over steps in depth of at most this share; 0 = never");
+  table.Flag("semantic.free_space", options.free_space.enabled,
+             "labels are dynamic also where earlier keyframes looked through what a keyframe sees");
+  table.Int("semantic.free_space_views", options.free_space.views, 1, 100, "earlier keyframes asked for that");
+  table.Int("semantic.free_space_frames", options.free_space.most_frames, 1, 10000, "how much earlier they may be");
+  table.Real("semantic.free_space_margin", options.free_space.margin_depth, 0.01, 1,
+             "share of the depth that they must have looked farther");
+  table.Real("semantic.free_space_match", options.free_space.match_depth, 0.001, 1,
+             "share of the depth up to which a static surface is seen again");
+  table.Real("semantic.free_space_most_share", options.free_space.most_share, 0, 1,
+             "share of the view above which the pose is to blame");
   table.Real("semantic.max_mask_share", options.max_mask_share, 0.01, 1, "share of the image that a mask may cover");
   table.Real("semantic.finish_timeout_s", options.finish_timeout_s, 0, 3600,
              "time for missing labels at the end, seconds");

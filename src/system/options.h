@@ -11,6 +11,7 @@
 #include "mapping/local_mapper.h"
 #include "optim/pose_optimizer.h"
 #include "semantic/backlog.h"
+#include "semantic/free_space.h"
 #include "semantic/moving_probability.h"
 #include "semantic/segmenter_factory.h"
 #include "semantic/semantic_optimizer.h"
@@ -32,12 +33,14 @@ struct SemanticOptions {
   int per_round = 2;                  // keyframes selected in a round
   bool batch = true;                  // in one request, or one by one
   int backlog = 60;                   // images of unlabelled keyframes kept at most
+  int start_frames = 30;              // frames at most that the first keyframe stays alone for want of a label
   int dilation_px = 15;               // radius at an image width of 640
   double complete_step_depth = 0.04;  // unsure pixels join dynamic ones over steps in depth of at most this share
-  double max_mask_share = 0.95;       // a mask that covers more says nothing
-  double finish_timeout_s = 5;        // for labels still missing when the sequence ends
-  double cancel_timeout_s = 2;        // for a back end to give up when asked to
-  int lockstep_delay_frames = 6;      // lockstep: frames between a request and its labels
+  FreeSpaceOptions free_space;
+  double max_mask_share = 0.95;   // a mask that covers more says nothing
+  double finish_timeout_s = 5;    // for labels still missing when the sequence ends
+  double cancel_timeout_s = 2;    // for a back end to give up when asked to
+  int lockstep_delay_frames = 6;  // lockstep: frames between a request and its labels
   MovingProbabilityOptions probability;
   SemanticOptimizerOptions optimizer;
 };

@@ -38,7 +38,8 @@ void Pipeline::MapKeyframe(const KeyframeCandidate& candidate, const std::functi
   const KeyframeId id = world_.Write([&](World& world) {
     const KeyframeId inserted = mapper_.Insert(world.map, candidate);
     if (const auto early = world.early_labels.extract(candidate.frame)) {
-      ApplyLabels(world.map, inserted, std::move(early.mapped()), probabilities_, options_.semantic.probability);
+      ApplyLabels(world.map, inserted, AddMovedIn(world.map, inserted, std::move(early.mapped())), probabilities_,
+                  options_.semantic.probability);
     }
     return inserted;
   });
@@ -124,22 +125,63 @@ void Pipeline::ApplyRound(const LabelledRound& round) {
       events[front].optimisation_ms = watch.Milliseconds();
     }
   }
+  ShowLabelled(round);
   figures_.Write([&](Figures& figures) {
     figures.labels.insert(figures.labels.end(), events.begin(), events.end());
     figures.segmentation_failures += round.failures;
   });
 }
 
+std::vector<KeypointLabel> Pipeline::AddMovedIn(const Map& map, KeyframeId keyframe,
+                                                std::vector<KeypointLabel> labels) const {
+  if (options_.semantic.free_space.enabled) {
+    const Keyframe& made = map.At(keyframe);
+    LabelMovedIn(*made.data,
+                 JudgeBySpace(*made.data, made.camera_from_world,
+                              EarlierViews(map, keyframe, options_.semantic.free_space), options_.semantic.free_space),
+                 labels);
+  }
+  return labels;
+}
+
+void Pipeline::ShowLabelled(const LabelledRound& round) {
+  for (std::size_t i = 0; i < round.items.size(); ++i) {
+    if (!round.masks[i].empty()) {
+      const BacklogItem& item = round.items[i];
+      labelled_.push_back({item.frame, item.data, {}, LabelGrid(*item.data, round.masks[i])});
+    }
+  }
+  std::ranges::sort(labelled_, std::ranges::greater(), &SeenView::frame);
+  if (std::ssize(labelled_) > options_.semantic.free_space.views) {
+    labelled_.resize(static_cast<std::size_t>(options_.semantic.free_space.views));
+  }
+  auto views = std::make_shared<std::vector<SeenView>>(labelled_);
+  world_.Read([&](const World& world) {  // the poses as they are now; a keyframe may be gone or not be there yet
+    std::erase_if(*views, [&](SeenView& view) {
+      const Keyframe* const keyframe = FindByFrame(world.map, view.frame);
+      if (keyframe != nullptr) {
+        view.camera_from_world = keyframe->camera_from_world;
+      }
+      return keyframe == nullptr;
+    });
+  });
+  views_.Publish(std::move(views));
+}
+
 LabelEvent Pipeline::ApplyMask(const BacklogItem& item, const Image8& mask) {
   const Stopwatch watch;
   std::vector<KeypointLabel> labels = LabelKeypoints(*item.data, mask);
-  for (std::size_t k = 0; k < item.tracks.size(); ++k) {
-    if (item.tracks[k].valid() && labels[k] != KeypointLabel::kNone) {
-      track_labels_.Observe(item.tracks[k], labels[k] == KeypointLabel::kDynamic, options_.semantic.probability);
-    }
-  }
   world_.Write([&](World& world) {
-    if (const Keyframe* keyframe = FindByFrame(world.map, item.frame)) {
+    const Keyframe* const keyframe = FindByFrame(world.map, item.frame);
+    if (keyframe != nullptr) {
+      labels = AddMovedIn(world.map, keyframe->id, std::move(labels));
+    }
+    for (std::size_t k = 0; k < item.tracks.size(); ++k) {
+      if (item.tracks[k].valid() && labels[k] != KeypointLabel::kNone) {
+        track_labels_.Observe(item.tracks[k], labels[k] == KeypointLabel::kDynamic, options_.semantic.probability);
+      }
+    }
+    if (keyframe != nullptr) {
       ApplyLabels(world.map, keyframe->id, std::move(labels), probabilities_, options_.semantic.probability);
     } else if (world.map.keyframes().empty() || world.map.At(world.map.newest()).frame < item.frame) {
       world.early_labels[item.frame] = std::move(labels);  // mapping has not come to it yet

@@ -57,6 +57,8 @@ class Pipeline {
   [[nodiscard]] std::shared_ptr<const LocalMap> CurrentLocalMap() const { return local_map_.Get(); }
   [[nodiscard]] const MovingProbabilities& probabilities() const { return probabilities_; }
   [[nodiscard]] MovingProbabilities& track_labels() { return track_labels_; }
+  // The newest labelled keyframes with their poses, newest first; null before the first label.
+  [[nodiscard]] std::shared_ptr<const std::vector<SeenView>> LabelledViews() const { return views_.Get(); }
   [[nodiscard]] MapView ViewMap() const;
   [[nodiscard]] MaskView ViewMask() const;
   // Newest frame that has been labelled; -1 before the first.
@@ -77,6 +79,11 @@ class Pipeline {
 
   void AdjustLocally(KeyframeId keyframe, const std::function<bool()>& hurry);
   void PublishAround(KeyframeId keyframe);
+  // The labels of a keyframe, with what has moved in since earlier ones.
+  [[nodiscard]] std::vector<KeypointLabel> AddMovedIn(const Map& map, KeyframeId keyframe,
+                                                      std::vector<KeypointLabel> labels) const;
+  // Publishes the newest labelled views.
+  void ShowLabelled(const LabelledRound& round);
   // One label's way into the map.
   LabelEvent ApplyMask(const BacklogItem& item, const Image8& mask);
   // Corrects the keyframe of a frame and those after it, in their order.
@@ -92,6 +99,8 @@ class Pipeline {
   Guarded<Figures> figures_;
   Published<LocalMap> local_map_;
   Published<MaskView> mask_;
+  std::vector<SeenView> labelled_;  // the newest ones, newest first; the semantic thread's
+  Published<std::vector<SeenView>> views_;
   std::atomic<std::int64_t> newest_labelled_ = -1;
   std::atomic<std::uint32_t> current_frame_ = 0;
 };

@@ -15,12 +15,15 @@
 #include "runtime/bounded_queue.h"
 #include "runtime/monitor.h"
 #include "runtime/worker.h"
+#include "system/frame_report.h"
 #include "system/label_follower.h"
 #include "system/pipeline.h"
 #include "tracking/tracker.h"
 
 namespace rds {
 namespace {
+
+constexpr int kWeakStart = 60;  // matches below which the first keyframe does not do any more
 
 // Keyframes that wait for labels, as the semantic thread sees them.
 struct Waiting {
@@ -87,20 +90,6 @@ void RunSemantics(Shared& shared, const SemanticOptions& options) {
   }
 }
 
-std::vector<FeatureView> ViewFeatures(const FrameData& data, const TrackOutcome& outcome) {
-  std::vector<FeatureView> views;
-  for (const Keypoint& keypoint : data.keypoints()) {
-    views.push_back({keypoint.raw_x, keypoint.raw_y, FeatureState::kUnmatched});
-  }
-  for (const PointMatch& match : outcome.used) {
-    views[match.keypoint].state = match.state == PointState::kStatic ? FeatureState::kStatic : FeatureState::kUnknown;
-  }
-  for (const PointMatch& match : outcome.rejected) {
-    views[match.keypoint].state = FeatureState::kRejected;
-  }
-  return views;
-}
-
 }  // namespace
 
 class Slam::Impl {
@@ -118,25 +107,34 @@ class Slam::Impl {
     KeyframeId reference;  // invalid: the very first frame, which is the very first keyframe
     Rigid3 camera_from_reference;
   };
+  struct StartFrame {
+    FrameId frame;
+    double timestamp_s = 0;
+    std::shared_ptr<const FrameData> data;
+  };
   struct DueRound {
     std::uint32_t due_frame = 0;
     LabelledRound round;
   };
 
-  void CheckFrame(const RgbdFrame& frame) const;
   [[nodiscard]] WorkerStatus Status() const;
+  [[nodiscard]] std::unique_ptr<Tracker> MakeTracker() const;
+  void TrackStartAgain();
+  void KeepStart(const FrameResult& result, std::shared_ptr<const FrameData> data);
+  void AddEntry(double timestamp_s, const TrackOutcome& outcome);
   bool OfferKeyframe(const RgbdFrame& frame);
   void StepSemantics(FrameId frame);
   void StopSemantics(bool wait_for_labels);
-  void FillFrameResult(const TrackOutcome& outcome, const FrameData& data, FrameResult* result) const;
 
   PinholeCamera camera_;
   Options options_;
   OrbExtractor extractor_;
   std::shared_ptr<Shared> shared_;
-  Tracker tracker_;
+  std::unique_ptr<Tracker> tracker_;
   std::optional<LabelFollower> follower_;  // none if nothing asks for labels
   std::vector<TrajectoryEntry> entries_;
+  std::vector<StartFrame> start_;  // frames before the first label, to be tracked again with it
+  bool starting_ = false;
   std::vector<std::uint8_t> moving_;  // where something moved in the last frame, for the extractor
   std::uint32_t next_frame_ = 0;
   std::uint32_t processed_ = 0;
@@ -154,18 +152,13 @@ Slam::Impl::Impl(const PinholeCamera& camera, const Options& options, std::share
       options_(options),
       extractor_(options.orb),
       shared_(std::make_shared<Shared>(options, extractor_.pyramid(), std::move(segmenter))),
-      tracker_(
-          [&] {
-            TrackerOptions tracking = options.tracking;
-            tracking.association.probability = options.semantic.probability;
-            tracking.association.use_semantics &= shared_->pipeline.HasSegmenter();
-            return tracking;
-          }(),
-          options.pose, extractor_.pyramid(), shared_->pipeline.probabilities()) {
+      tracker_(MakeTracker()) {
   ValidateOptions(options);
+  starting_ = shared_->pipeline.HasSegmenter() && options.tracking.association.use_semantics &&
+              options.semantic.start_frames > 0;
   if (shared_->pipeline.HasSegmenter() && options.tracking.association.use_semantics && options.tracks.enabled) {
-    follower_.emplace(options.tracks, options.semantic.probability, shared_->pipeline.track_labels(),
-                      options.system.lockstep);
+    follower_.emplace(options.tracks, options.semantic.probability, options.semantic.free_space,
+                      shared_->pipeline.track_labels(), options.system.lockstep);
   }
   if (!options_.system.lockstep) {
     mapping_ = std::make_unique<Worker>([shared = shared_] { RunMapping(*shared); });
@@ -176,31 +169,53 @@ Slam::Impl::Impl(const PinholeCamera& camera, const Options& options, std::share
   }
 }
 
+std::unique_ptr<Tracker> Slam::Impl::MakeTracker() const {
+  TrackerOptions tracking = options_.tracking;
+  tracking.association.probability = options_.semantic.probability;
+  tracking.association.use_semantics &= shared_->pipeline.HasSegmenter();
+  return std::make_unique<Tracker>(tracking, options_.pose, extractor_.pyramid(), shared_->pipeline.probabilities());
+}
+
+// Before the first label nobody can tell what moves, and poses may follow people who fill the picture. So until then
+// the first keyframe stays the only one, and once it is labelled a new tracker goes through all frames since.
+void Slam::Impl::TrackStartAgain() {
+  auto tracker = MakeTracker();
+  entries_.clear();
+  lost_ = 0;
+  tracked_before_ = false;
+  std::shared_ptr<const LocalMap> map;  // none for the first frame: it is the first keyframe
+  for (StartFrame& frame : start_) {
+    AddEntry(frame.timestamp_s,
+             tracker->Track(frame.frame, frame.timestamp_s, std::move(frame.data), map, Status(), nullptr));
+    map = shared_->pipeline.CurrentLocalMap();
+  }
+  tracker_ = std::move(tracker);
+  start_.clear();
+}
+
+void Slam::Impl::KeepStart(const FrameResult& result, std::shared_ptr<const FrameData> data) {
+  if (!tracked_before_) {
+    return;
+  }
+  start_.push_back({result.frame, result.timestamp_s, std::move(data)});
+  const bool weak = start_.size() > 1 && result.static_matches + result.unknown_matches < kWeakStart;
+  if (weak || std::ssize(start_) >= options_.semantic.start_frames) {  // the map must grow, labelled or not
+    starting_ = false;
+    start_.clear();
+  }
+}
+
+void Slam::Impl::AddEntry(double timestamp_s, const TrackOutcome& outcome) {
+  if (outcome.tracked) {
+    tracked_before_ = true;
+    entries_.push_back({timestamp_s, outcome.reference, outcome.camera_from_reference});
+  }
+  lost_ += tracked_before_ && !outcome.tracked ? 1 : 0;
+}
+
 Slam::Impl::~Impl() {
   shared_->keyframes.Close();
   StopSemantics(false);
-}
-
-void Slam::Impl::CheckFrame(const RgbdFrame& frame) const {
-  const std::string when = "frame at " + std::to_string(frame.timestamp_s) + " s: ";
-  Check(!finished_, "no Process after Finish");
-  if (frame.image == nullptr || frame.depth == nullptr) {
-    throw InputError(when + "an image or its depth is missing");
-  }
-  const auto size = [](int width, int height) { return std::to_string(width) + " x " + std::to_string(height); };
-  if (frame.image->width != camera_.width || frame.image->height != camera_.height ||
-      frame.depth->width != camera_.width || frame.depth->height != camera_.height) {
-    throw InputError(when + "image " + size(frame.image->width, frame.image->height) + " and depth " +
-                     size(frame.depth->width, frame.depth->height) + " must both be the camera's " +
-                     size(camera_.width, camera_.height));
-  }
-  if ((frame.image->channels != 1 && frame.image->channels != 3) || frame.depth->channels != 1) {
-    throw InputError(when + "the image must have 1 or 3 channels and the depth 1");
-  }
-  if (!(frame.timestamp_s > last_timestamp_s_.value_or(-1e300))) {
-    throw InputError(when + "timestamps must increase; the frame before was at " +
-                     std::to_string(last_timestamp_s_.value_or(0)) + " s");
-  }
 }
 
 WorkerStatus Slam::Impl::Status() const {
@@ -215,7 +230,8 @@ WorkerStatus Slam::Impl::Status() const {
 FrameResult Slam::Impl::Process(const RgbdFrame& frame) {
   const Stopwatch watch;
   const double cpu_start = ThreadCpuSeconds();
-  CheckFrame(frame);
+  Check(!finished_, "no Process after Finish");
+  CheckFrame(frame, camera_, last_timestamp_s_);
   last_timestamp_s_ = frame.timestamp_s;
   FrameResult result;
   result.frame = FrameId{next_frame_++};
@@ -225,11 +241,15 @@ FrameResult Slam::Impl::Process(const RgbdFrame& frame) {
   if (options_.system.lockstep) {
     StepSemantics(result.frame);
   }
+  if (starting_ && shared_->pipeline.newest_labelled() >= 0) {
+    starting_ = false;
+    TrackStartAgain();
+  }
   auto data = std::make_shared<const FrameData>(extractor_.Extract(camera_, *frame.image, *frame.depth, moving_));
   result.timing.extraction_ms = watch.Milliseconds();
   Tracker::LabelSource labels;
   if (follower_) {
-    follower_->Begin(data);
+    follower_->Begin(data, shared_->pipeline.LabelledViews(), tracker_->ExpectedPose());
     labels = [this] {
       KeypointLabels found = follower_->Get();
       moving_ = std::move(found.moving);
@@ -237,21 +257,24 @@ FrameResult Slam::Impl::Process(const RgbdFrame& frame) {
     };
   }
   const TrackOutcome outcome =
-      tracker_.Track(result.frame, frame.timestamp_s, data, shared_->pipeline.CurrentLocalMap(), Status(), labels);
-  if (outcome.tracked) {
-    tracked_before_ = true;
-    entries_.push_back({frame.timestamp_s, outcome.reference, outcome.camera_from_reference});
+      tracker_->Track(result.frame, frame.timestamp_s, data, shared_->pipeline.CurrentLocalMap(), Status(), labels);
+  AddEntry(frame.timestamp_s, outcome);
+  const bool hold = starting_ && !start_.empty();
+  result.is_keyframe = outcome.wants_keyframe && !hold && OfferKeyframe(frame);
+  result.state = outcome.tracked   ? TrackingState::kTracked
+                 : tracked_before_ ? TrackingState::kLost
+                                   : TrackingState::kNotInitialized;
+  FillFrameResult(outcome, *data, shared_->pipeline, options_.system.keep_features, &result);
+  if (starting_) {
+    KeepStart(result, std::move(data));
   }
-  lost_ += tracked_before_ && !outcome.tracked ? 1 : 0;
-  result.is_keyframe = outcome.wants_keyframe && OfferKeyframe(frame);
-  FillFrameResult(outcome, *data, &result);
   result.timing.cpu_ms = 1e3 * (ThreadCpuSeconds() - cpu_start);
   result.timing.total_ms = watch.Milliseconds();
   return result;
 }
 
 bool Slam::Impl::OfferKeyframe(const RgbdFrame& frame) {
-  KeyframeCandidate candidate = tracker_.MakeCandidate();
+  KeyframeCandidate candidate = tracker_->MakeCandidate();
   BacklogItem item{candidate.frame, frame.timestamp_s, frame.image, candidate.data, candidate.tracks, false};
   const bool first = !candidate.reference.valid();
   if (options_.system.lockstep || first) {
@@ -261,7 +284,7 @@ bool Slam::Impl::OfferKeyframe(const RgbdFrame& frame) {
                                               : !shared_->keyframes.TryPush(std::move(candidate))) {
     return false;
   }
-  tracker_.KeyframeTaken();
+  tracker_->KeyframeTaken();
   if (shared_->pipeline.HasSegmenter()) {
     shared_->waiting.Write([&](Waiting& waiting) { waiting.dropped += waiting.backlog.Push(std::move(item)); });
   }
@@ -284,32 +307,6 @@ void Slam::Impl::StepSemantics(FrameId frame) {
           std::max(asked, frame.value - 1) + static_cast<std::uint32_t>(options_.semantic.lockstep_delay_frames) + 1,
           shared_->pipeline.Segment(std::move(selected))};
     }
-  }
-}
-
-void Slam::Impl::FillFrameResult(const TrackOutcome& outcome, const FrameData& data, FrameResult* result) const {
-  result->state = outcome.tracked   ? TrackingState::kTracked
-                  : tracked_before_ ? TrackingState::kLost
-                                    : TrackingState::kNotInitialized;
-  if (outcome.tracked) {
-    result->world_from_camera = outcome.camera_from_world.Inverse();
-  }
-  for (const PointMatch& match : outcome.used) {
-    ++(match.state == PointState::kStatic ? result->static_matches : result->unknown_matches);
-  }
-  result->rejected_matches = static_cast<int>(outcome.rejected.size());
-  if (const std::int64_t labelled = shared_->pipeline.newest_labelled(); labelled >= 0) {
-    result->semantic_delay_frames = static_cast<int>(static_cast<std::int64_t>(result->frame.value) - labelled);
-  }
-  if (const auto map = shared_->pipeline.CurrentLocalMap()) {
-    result->keyframes_in_map = map->keyframes_in_map;
-    result->points_in_map = map->points_in_map;
-  }
-  result->timing.matching_ms = outcome.matching_ms;
-  result->timing.pose_ms = outcome.pose_ms;
-  result->timing.local_map_ms = outcome.local_map_ms;
-  if (options_.system.keep_features) {
-    result->features = ViewFeatures(data, outcome);
   }
 }
 

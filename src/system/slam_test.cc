@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/random.h"
 #include "base/time.h"
 #include "geometry/alignment.h"
 #include "semantic/faulty_segmenter.h"
@@ -168,6 +169,80 @@ TEST(Slam, SemanticsKeepThoseWhoWalkTogetherOutOfTheMap) {
   EXPECT_EQ(with.tracked_frames, synthetic.frames);
   EXPECT_LT(AteRmse(with, frames), 0.02);
   EXPECT_GT(AteRmse(without, frames), 5 * AteRmse(with, frames));
+}
+
+TEST(Slam, TheMapGrowsWithTheFirstLabelOrWhenItIsOverdue) {
+  const auto& frames = Frames(SyntheticScenario::kWalking);
+  const auto frames_alone = [&](int delay_frames, int start_frames) {
+    Options options = SmallOptions(true);
+    options.semantic.lockstep_delay_frames = delay_frames;
+    options.semantic.start_frames = start_frames;
+    Slam slam(MakeSyntheticCamera(320, 240), options, TrueMasks(frames));
+    int alone = 0;
+    for (const SyntheticFrame& frame : frames) {
+      alone += slam.Process(frame.rgbd).keyframes_in_map == 1 ? 1 : 0;
+    }
+    return alone;
+  };
+  EXPECT_NEAR(frames_alone(8, 30), 9, 2);    // the label of the first keyframe comes after 9 frames
+  EXPECT_NEAR(frames_alone(1000, 6), 6, 2);  // it does not come
+  EXPECT_LE(frames_alone(1000, 0), 3);       // nobody waits
+}
+
+// A camera that stands still before a sloping wall; past it goes a board with more features than are left of the wall.
+std::vector<SyntheticFrame> BoardPassing() {
+  const PinholeCamera camera = MakeSyntheticCamera(320, 240);
+  const auto noise = [&](std::uint64_t seed) {
+    Random random(seed);
+    Image8 image(camera.width, camera.height);
+    for (int y = 0; y < image.height; ++y) {
+      for (int x = 0; x < image.width; ++x) {
+        image.At(x, y) = y % 4 != 0   ? image.At(x, y - 1)
+                         : x % 4 != 0 ? image.At(x - 1, y)
+                                      : static_cast<std::uint8_t>(random.Index(256));
+      }
+    }
+    return image;
+  };
+  const Image8 wall = noise(1);
+  const Image8 board = noise(2);
+  std::vector<SyntheticFrame> frames;
+  for (int i = 0; i < kFrames; ++i) {
+    auto image = std::make_shared<Image8>(wall);
+    auto depth = std::make_shared<Image16>(camera.width, camera.height);
+    auto mask = std::make_shared<Image8>(camera.width, camera.height);
+    for (int y = 0; y < camera.height; ++y) {
+      for (int x = 0; x < camera.width; ++x) {
+        const int on_board = x - 2 * i;
+        const bool covered = on_board >= 10 && on_board < 220 && y >= 15 && y < 225;
+        depth->At(x, y) = static_cast<std::uint16_t>((covered ? 1.5 : 4.0 - y / 120.0) * camera.depth_scale);
+        mask->At(x, y) = covered ? 255 : 0;
+        if (covered) {
+          image->At(x, y) = board.At(on_board, y);
+        }
+      }
+    }
+    frames.push_back({{i / 30.0, std::move(image), std::move(depth)}, std::move(mask), {}});
+  }
+  return frames;
+}
+
+TEST(Slam, FramesBeforeTheFirstLabelAreTrackedAgainWithIt) {
+  const std::vector<SyntheticFrame> frames = BoardPassing();
+  const auto furthest_m = [&](int start_frames) {
+    Options options = SmallOptions(true);
+    options.semantic.lockstep_delay_frames = 15;
+    options.semantic.start_frames = start_frames;
+    const SlamResult result = RunAll(frames, options, TrueMasks(frames));
+    EXPECT_EQ(result.tracked_frames, kFrames);
+    double furthest = 0;
+    for (const StampedPose& pose : std::span(result.frames).first(15)) {
+      furthest = std::max(furthest, pose.world_from_camera.translation.norm());
+    }
+    return furthest;
+  };
+  EXPECT_LT(furthest_m(30), 0.03);
+  EXPECT_GT(furthest_m(0), 0.1);  // went along with the board
 }
 
 TEST(Slam, TracksThreaded) {

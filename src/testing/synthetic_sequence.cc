@@ -2,12 +2,16 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <deque>
 #include <fstream>
+#include <future>
 #include <opencv2/imgcodecs.hpp>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "base/error.h"
@@ -32,11 +36,23 @@ void WriteBytes(const fs::path& path, const std::vector<unsigned char>& bytes) {
 }
 
 template <typename T>
-void WritePng(const fs::path& path, const Image<T>& image, int type) {
+std::vector<unsigned char> EncodePng(const Image<T>& image, int type) {
   const cv::Mat view(image.height, image.width, type, const_cast<T*>(image.data.data()));
   std::vector<unsigned char> bytes;
   Check(cv::imencode(".png", view, bytes, {cv::IMWRITE_PNG_COMPRESSION, 1}), "PNG cannot be encoded");
-  WriteBytes(path, bytes);
+  return bytes;
+}
+
+struct EncodedFrame {
+  std::array<std::vector<unsigned char>, 3> images;  // colour, depth, mask
+  StampedPose truth;
+};
+
+EncodedFrame RenderEncoded(const SyntheticWorld& world, int index) {
+  const SyntheticFrame frame = world.Render(index);
+  return {
+      {EncodePng(*frame.rgbd.image, CV_8UC3), EncodePng(*frame.rgbd.depth, CV_16UC1), EncodePng(*frame.mask, CV_8UC1)},
+      {frame.rgbd.timestamp_s, frame.world_from_camera}};
 }
 
 void MakeFolder(const fs::path& path) {
@@ -60,19 +76,27 @@ void WriteSyntheticSequence(const SyntheticWorld& world, const fs::path& directo
   }
   std::string associations;
   Trajectory truth;
-  for (int i = 0; i < world.frame_count(); ++i) {
-    const SyntheticFrame frame = world.Render(i);
-    const std::string stamp = fmt::format("{:.6f}", frame.rgbd.timestamp_s);
-    WritePng(directory / "rgb" / (stamp + ".png"), *frame.rgbd.image, CV_8UC3);
-    WritePng(directory / "depth" / (stamp + ".png"), *frame.rgbd.depth, CV_16UC1);
-    WritePng(directory / "mask" / (stamp + ".png"), *frame.mask, CV_8UC1);
+  // One frame in the making for each core; they are written in their order.
+  const auto ahead = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  std::deque<std::future<EncodedFrame>> rendering;
+  for (int i = 0; i < world.frame_count() + ahead; ++i) {
+    if (i < world.frame_count()) {
+      rendering.push_back(std::async(std::launch::async, [&world, i] { return RenderEncoded(world, i); }));
+    }
+    if (i < ahead) {
+      continue;
+    }
+    const EncodedFrame frame = rendering.front().get();
+    rendering.pop_front();
+    const std::string stamp = fmt::format("{:.6f}", frame.truth.timestamp_s);
     for (std::size_t k = 0; k < kFolders.size(); ++k) {
+      WriteBytes(directory / kFolders[k] / (stamp + ".png"), frame.images[k]);
       lists[k] += fmt::format("{0} {1}/{0}.png\n", stamp, kFolders[k]);
     }
     associations += fmt::format("{0} rgb/{0}.png {0} depth/{0}.png\n", stamp);
-    truth.push_back({frame.rgbd.timestamp_s, frame.world_from_camera});
+    truth.push_back(frame.truth);
     if (on_frame) {
-      on_frame(i + 1);
+      on_frame(i - ahead + 1);
     }
   }
   const std::array<OutputFile, 6> files{{{directory / "rgb.txt", lists[0]},

@@ -21,11 +21,11 @@ bool OnOneSurface(const Keypoint& last, const Keypoint& now) {
 
 }  // namespace
 
-KeypointLabels FeatureTracks::Follow(std::shared_ptr<const FrameData> frame, MovingProbabilities& labels,
-                                     const MovingProbabilityOptions& options) {
+KeypointLabels FeatureTracks::Follow(std::shared_ptr<const FrameData> frame, std::span<const KeypointLabel> judged,
+                                     MovingProbabilities& labels, const MovingProbabilityOptions& options) {
   ContinueTracks(std::move(frame));
   StartTracks(labels);
-  std::vector<double> probabilities = SpreadLabels(labels, options);
+  std::vector<double> probabilities = SpreadLabels(judged, labels, options);
   return {ids_, std::move(probabilities), surface_.Moving()};
 }
 
@@ -89,7 +89,8 @@ void FeatureTracks::StartTracks(MovingProbabilities& labels) {
   std::ranges::inplace_merge(tracks_, tracks_.begin() + static_cast<std::ptrdiff_t>(continued), {}, &Track::keypoint);
 }
 
-std::vector<double> FeatureTracks::SpreadLabels(const MovingProbabilities& labels,
+std::vector<double> FeatureTracks::SpreadLabels(std::span<const KeypointLabel> judged,
+                                                const MovingProbabilities& labels,
                                                 const MovingProbabilityOptions& options) {
   const std::span<const Keypoint> keypoints = frame_->keypoints();
   std::vector<double> result(keypoints.size(), kUnknownProbability);
@@ -104,6 +105,7 @@ std::vector<double> FeatureTracks::SpreadLabels(const MovingProbabilities& label
       surface_.Add(keypoints[track.keypoint], *track.inherited);
     }
   }
+  surface_.AddSamples(judged);
   surface_.Spread();
   for (std::size_t i = 0; i < keypoints.size(); ++i) {
     if (result[i] == kUnknownProbability) {

@@ -8,6 +8,7 @@
 
 #include "base/ids.h"
 #include "feature/frame_data.h"
+#include "map/keyframe.h"
 #include "semantic/moving_probability.h"
 #include "tracking/surface_labels.h"
 
@@ -42,8 +43,9 @@ class FeatureTracks {
 
   // Continues tracks into the next frame and starts new ones there, whose entry in `labels` is reset. A keypoint has
   // the probability of its track's label, else of the one that reaches it along its surface, else it is unknown.
-  [[nodiscard]] KeypointLabels Follow(std::shared_ptr<const FrameData> frame, MovingProbabilities& labels,
-                                      const MovingProbabilityOptions& options);
+  // `judged` says what else is known of each sample of the frame's depth grid (JudgeBySpace), or is empty.
+  [[nodiscard]] KeypointLabels Follow(std::shared_ptr<const FrameData> frame, std::span<const KeypointLabel> judged,
+                                      MovingProbabilities& labels, const MovingProbabilityOptions& options);
 
  private:
   struct Track {
@@ -55,7 +57,8 @@ class FeatureTracks {
 
   void ContinueTracks(std::shared_ptr<const FrameData> frame);
   void StartTracks(MovingProbabilities& labels);
-  [[nodiscard]] std::vector<double> SpreadLabels(const MovingProbabilities& labels,
+  [[nodiscard]] std::vector<double> SpreadLabels(std::span<const KeypointLabel> judged,
+                                                 const MovingProbabilities& labels,
                                                  const MovingProbabilityOptions& options);
 
   FeatureTrackOptions options_;

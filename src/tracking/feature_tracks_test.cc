@@ -94,7 +94,7 @@ TEST(FeatureTracksTest, NothingIsKnownBeforeTheFirstLabel) {
   FeatureTracks tracks({});
   MovingProbabilities table;
   const Scene scene = MakeScene(0, 0);
-  const KeypointLabels labels = tracks.Follow(scene.frame, table, {});
+  const KeypointLabels labels = tracks.Follow(scene.frame, {}, table, {});
   ASSERT_EQ(labels.tracks.size(), scene.frame->size());
   for (const double p : labels.probabilities) {
     EXPECT_EQ(p, kUnknownProbability);
@@ -105,17 +105,17 @@ TEST(FeatureTracksTest, ALateLabelReachesThePersonWhereItIsNow) {
   FeatureTracks tracks({});
   MovingProbabilities table;
   const Scene first = MakeScene(0, 0);
-  const KeypointLabels at_first = tracks.Follow(first.frame, table, {});
+  const KeypointLabels at_first = tracks.Follow(first.frame, {}, table, {});
   Scene scene;
   KeypointLabels labels;
   for (int step = 1; step <= 8; ++step) {
     scene = MakeScene(static_cast<float>(-2 * step), static_cast<float>(10 * step));
-    labels = tracks.Follow(scene.frame, table, {});
+    labels = tracks.Follow(scene.frame, {}, table, {});
   }
   EXPECT_EQ(Count(labels, scene, true, PointState::kUnknown), CountPerson(scene));
   Label(first, at_first, table);  // eight frames late
   scene = MakeScene(-18, 90);
-  labels = tracks.Follow(scene.frame, table, {});
+  labels = tracks.Follow(scene.frame, {}, table, {});
   EXPECT_EQ(Count(labels, scene, true, PointState::kDynamic), CountPerson(scene));
   EXPECT_EQ(Count(labels, scene, false, PointState::kDynamic), 0);
 }
@@ -126,7 +126,7 @@ TEST(FeatureTracksTest, ALabelOutlivesTheTracksThatBroughtIt) {
   FeatureTracks tracks(options);
   MovingProbabilities table;
   Scene scene = MakeScene(0, 0);
-  KeypointLabels labels = tracks.Follow(scene.frame, table, {});
+  KeypointLabels labels = tracks.Follow(scene.frame, {}, table, {});
   // Half of the person's features get the label; its neighbours inherit it.
   int left_out = 0;
   for (std::size_t i = 0; i < labels.tracks.size(); ++i) {
@@ -138,18 +138,18 @@ TEST(FeatureTracksTest, ALabelOutlivesTheTracksThatBroughtIt) {
   }
   ASSERT_GT(left_out, 10);
   scene = MakeScene(0, 5);
-  labels = tracks.Follow(scene.frame, table, {});
+  labels = tracks.Follow(scene.frame, {}, table, {});
   EXPECT_EQ(Count(labels, scene, true, PointState::kDynamic), CountPerson(scene));
   // The table forgets every track: what was inherited still counts for a while, then is too old.
   for (std::size_t i = 0; i < labels.tracks.size(); ++i) {
     table.Set(labels.tracks[i], kUnknownProbability);
   }
   scene = MakeScene(0, 10);
-  labels = tracks.Follow(scene.frame, table, {});
+  labels = tracks.Follow(scene.frame, {}, table, {});
   EXPECT_EQ(Count(labels, scene, true, PointState::kDynamic), CountPerson(scene));
   for (int step = 3; step < 40; ++step) {
     scene = MakeScene(0, static_cast<float>(5 * step));
-    labels = tracks.Follow(scene.frame, table, {});
+    labels = tracks.Follow(scene.frame, {}, table, {});
   }
   EXPECT_EQ(Count(labels, scene, true, PointState::kDynamic), 0);
 }
@@ -161,10 +161,10 @@ TEST(FeatureTracksTest, ATrackThatIsNotFoundStartsAnewWithoutALabel) {
   FeatureTracks tracks(options);
   MovingProbabilities table;
   const Scene first = MakeScene(0, 0);
-  const KeypointLabels at_first = tracks.Follow(first.frame, table, {});
+  const KeypointLabels at_first = tracks.Follow(first.frame, {}, table, {});
   Label(first, at_first, table);
   const Scene scene = MakeScene(0, 0, 1);  // the person has turned round
-  const KeypointLabels labels = tracks.Follow(scene.frame, table, {});
+  const KeypointLabels labels = tracks.Follow(scene.frame, {}, table, {});
   EXPECT_EQ(Count(labels, scene, true, PointState::kUnknown), CountPerson(scene));
   EXPECT_EQ(Count(labels, scene, false, PointState::kStatic),
             static_cast<int>(scene.frame->size()) - CountPerson(scene));
@@ -178,9 +178,9 @@ TEST(FeatureTracksTest, ATrackDoesNotJumpInDepth) {
     FeatureTracks tracks(options);
     MovingProbabilities table;
     const Scene first = MakeScene(0, 0);
-    Label(first, tracks.Follow(first.frame, table, {}), table);
+    Label(first, tracks.Follow(first.frame, {}, table, {}), table);
     const Scene scene = MakeScene(0, 0, -1, depth_m);
-    return Count(tracks.Follow(scene.frame, table, {}), scene, true, PointState::kDynamic);
+    return Count(tracks.Follow(scene.frame, {}, table, {}), scene, true, PointState::kDynamic);
   };
   EXPECT_EQ(dynamic_at(1.05F * kPersonDepth), CountPerson(MakeScene(0, 0)));
   EXPECT_EQ(dynamic_at(1.5F * kPersonDepth), 0);
@@ -193,7 +193,7 @@ TEST(FeatureTracksTest, TracksKeepTheirDistance) {
   FeatureTracks tracks(options);
   MovingProbabilities table;
   const Scene scene = MakeScene(0, 0);
-  const KeypointLabels labels = tracks.Follow(scene.frame, table, {});
+  const KeypointLabels labels = tracks.Follow(scene.frame, {}, table, {});
   const auto count = std::count_if(labels.tracks.begin(), labels.tracks.end(), [](PointId id) { return id.valid(); });
   EXPECT_GE(count, 48);
   EXPECT_LT(count, static_cast<std::ptrdiff_t>(scene.frame->size()) / 2);

@@ -57,6 +57,16 @@ void SurfaceLabels::Add(const Keypoint& keypoint, const SurfaceLabel& label) {
   }
 }
 
+void SurfaceLabels::AddSamples(std::span<const KeypointLabel> samples) {
+  const auto columns = static_cast<std::size_t>(columns_ - 2);
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (samples[i] != KeypointLabel::kNone) {
+      const std::size_t cell = (i / columns + 1) * (columns + 2) + i % columns + 1;
+      Offer(static_cast<Cell>(cell), 0, samples[i] == KeypointLabel::kDynamic);
+    }
+  }
+}
+
 // Dijkstra with a bucket for each distance.
 void SurfaceLabels::Spread() {
   const auto share = static_cast<float>(options_.step_depth);

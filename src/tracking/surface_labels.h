@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "feature/frame_data.h"
+#include "map/keyframe.h"
 
 namespace rds {
 
@@ -38,6 +39,8 @@ class SurfaceLabels {
   void Start(const DepthGrid& grid);
   // A labelled keypoint; without depth it has no place on a surface and is ignored.
   void Add(const Keypoint& keypoint, const SurfaceLabel& label);
+  // What is known of each sample of the grid; adds nothing where a keypoint has said so already. May be empty.
+  void AddSamples(std::span<const KeypointLabel> samples);
   void Spread();
   // The label of a keypoint's place; nothing where none reaches it or the keypoint has no depth.
   [[nodiscard]] std::optional<SurfaceLabel> At(const Keypoint& keypoint) const;

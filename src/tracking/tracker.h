@@ -71,6 +71,9 @@ class Tracker {
   TrackOutcome Track(FrameId frame, double timestamp_s, std::shared_ptr<const FrameData> data,
                      std::shared_ptr<const LocalMap> map, const WorkerStatus& status, const LabelSource& labels);
 
+  // Where the next frame is expected, camera from world, by a steady motion; nothing if the last one was not tracked.
+  [[nodiscard]] std::optional<Rigid3> ExpectedPose() const;
+
   // The frame just tracked as a keyframe; to be called at most once, after Track said wants_keyframe.
   [[nodiscard]] KeyframeCandidate MakeCandidate();
   // Tells that the candidate was taken: the policy counts anew.

@@ -1,0 +1,49 @@
+// What a depth image says of motion: places that were empty before, and static surfaces seen again.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "base/image.h"
+#include "map/map.h"
+
+namespace rds {
+
+struct FreeSpaceOptions {
+  bool enabled = true;
+  int views = 3;              // earlier ones that are asked
+  int most_frames = 60;       // how much earlier they may be
+  double margin_depth = 0.1;  // they must have looked that much farther, as a share of the depth
+  double match_depth = 0.04;  // a surface is the same one up to this share of its depth
+  double most_share = 0.4;    // if more of the view seems to have moved in, it is the pose that is wrong
+};
+
+// A frame whose pose is known, and what its mask says of each sample of its depth grid (empty: nothing).
+struct SeenView {
+  FrameId frame;
+  std::shared_ptr<const FrameData> data;
+  Rigid3 camera_from_world;
+  std::vector<KeypointLabel> labels;
+};
+
+// What the mask says of each sample of a frame's depth grid.
+[[nodiscard]] std::vector<KeypointLabel> LabelGrid(const FrameData& data, const Image8& mask);
+
+// Judges each sample of a frame's depth grid by earlier views:
+// - dynamic where one of them looked through the place, so that something has moved in; this needs no network: it finds
+//   people that a mask misses and what moves without being a person, but nothing that keeps still;
+// - static where one of them saw the same surface at the same place and its mask calls it static;
+// - none elsewhere.
+// Where more moved in than is credible, nothing is called dynamic. Empty without a grid. Distortion of the lens, a few
+// pixels, is not taken out.
+[[nodiscard]] std::vector<KeypointLabel> JudgeBySpace(const FrameData& frame, const Rigid3& camera_from_world,
+                                                      std::span<const SeenView> views, const FreeSpaceOptions& options);
+
+// Earlier keyframes to judge one by, spread over the time allowed; without labels. Needs the door of the map.
+[[nodiscard]] std::vector<SeenView> EarlierViews(const Map& map, KeyframeId keyframe, const FreeSpaceOptions& options);
+
+// Makes the labels of keypoints dynamic where the sample is.
+void LabelMovedIn(const FrameData& data, std::span<const KeypointLabel> judged, std::vector<KeypointLabel>& labels);
+
+}  // namespace rds

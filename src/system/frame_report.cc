@@ -1,0 +1,72 @@
+#include "system/frame_report.h"
+
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+
+namespace rds {
+namespace {
+
+std::vector<FeatureView> ViewFeatures(const FrameData& data, const TrackOutcome& outcome) {
+  std::vector<FeatureView> views;
+  for (const Keypoint& keypoint : data.keypoints()) {
+    views.push_back({keypoint.raw_x, keypoint.raw_y, FeatureState::kUnmatched});
+  }
+  for (const PointMatch& match : outcome.used) {
+    views[match.keypoint].state = match.state == PointState::kStatic ? FeatureState::kStatic : FeatureState::kUnknown;
+  }
+  for (const PointMatch& match : outcome.rejected) {
+    views[match.keypoint].state = FeatureState::kRejected;
+  }
+  return views;
+}
+
+}  // namespace
+
+void CheckFrame(const RgbdFrame& frame, const PinholeCamera& camera, std::optional<double> last_timestamp_s) {
+  const std::string when = "frame at " + std::to_string(frame.timestamp_s) + " s: ";
+  if (frame.image == nullptr || frame.depth == nullptr) {
+    throw InputError(when + "an image or its depth is missing");
+  }
+  const auto size = [](int width, int height) { return std::to_string(width) + " x " + std::to_string(height); };
+  if (frame.image->width != camera.width || frame.image->height != camera.height ||
+      frame.depth->width != camera.width || frame.depth->height != camera.height) {
+    throw InputError(when + "image " + size(frame.image->width, frame.image->height) + " and depth " +
+                     size(frame.depth->width, frame.depth->height) + " must both be the camera's " +
+                     size(camera.width, camera.height));
+  }
+  if ((frame.image->channels != 1 && frame.image->channels != 3) || frame.depth->channels != 1) {
+    throw InputError(when + "the image must have 1 or 3 channels and the depth 1");
+  }
+  if (!(frame.timestamp_s > last_timestamp_s.value_or(-1e300))) {
+    throw InputError(when + "timestamps must increase; the frame before was at " +
+                     std::to_string(last_timestamp_s.value_or(0)) + " s");
+  }
+}
+
+void FillFrameResult(const TrackOutcome& outcome, const FrameData& data, const Pipeline& pipeline, bool features,
+                     FrameResult* result) {
+  if (outcome.tracked) {
+    result->world_from_camera = outcome.camera_from_world.Inverse();
+  }
+  for (const PointMatch& match : outcome.used) {
+    ++(match.state == PointState::kStatic ? result->static_matches : result->unknown_matches);
+  }
+  result->rejected_matches = static_cast<int>(outcome.rejected.size());
+  if (const std::int64_t labelled = pipeline.newest_labelled(); labelled >= 0) {
+    result->semantic_delay_frames = static_cast<int>(static_cast<std::int64_t>(result->frame.value) - labelled);
+  }
+  if (const auto map = pipeline.CurrentLocalMap()) {
+    result->keyframes_in_map = map->keyframes_in_map;
+    result->points_in_map = map->points_in_map;
+  }
+  result->timing.matching_ms = outcome.matching_ms;
+  result->timing.pose_ms = outcome.pose_ms;
+  result->timing.local_map_ms = outcome.local_map_ms;
+  if (features) {
+    result->features = ViewFeatures(data, outcome);
+  }
+}
+
+}  // namespace rds
