@@ -33,7 +33,7 @@ void CheckExtension(const std::filesystem::path& file, const std::string& wanted
   }
 }
 
-cv::Mat View(const Image8& image) {
+cv::Mat ColorView(const Image8& image) {
   return {image.height, image.width, CV_8UC3, const_cast<std::uint8_t*>(image.data.data())};
 }
 
@@ -51,7 +51,7 @@ class VideoFile {
   }
 
   void Write(const Image8& picture) {
-    writer_.write(View(picture));
+    writer_.write(ColorView(picture));
     ++frames_;
   }
 
@@ -82,7 +82,7 @@ class VideoFile {
 // Encoded in memory, because cv::imwrite does not report a full disk.
 void WriteStill(const std::filesystem::path& file, const Image8& picture) {
   std::vector<std::uint8_t> bytes;
-  Check(cv::imencode(".png", View(picture), bytes), "a PNG can be encoded");
+  Check(cv::imencode(".png", ColorView(picture), bytes), "a PNG can be encoded");
   WriteFileAtomically(file, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 

@@ -14,15 +14,14 @@ namespace {
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-constexpr double kMinReprojectionDepth_m = 1e-6;  // nearer than this counts as behind the camera
-constexpr double kMaxInput = 1e9;                 // metres or pixels; anything larger (or NaN) is never used
+constexpr double kMaxInput = 1e9;  // metres or pixels; anything larger (or NaN) is never used
 
-constexpr double kTinyStep = 1e-7;        // metres and radians: the last round has converged
-constexpr double kSmallStep = 1e-5;       // ... and good enough for another classification
-constexpr double kTinyDecrease = 1e-9;    // of the cost, relative
-constexpr double kSingularPivot = 1e-11;  // of the normal matrix scaled to a unit diagonal
-constexpr double kFirstDamping = 1e-5;
-constexpr double kMaxDamping = 1e5;
+constexpr double kTinyStep = 1e-7;          // metres and radians: the last round has converged
+constexpr double kSmallStep = 1e-5;         // ... and good enough for another classification
+constexpr double kTinyPoseDecrease = 1e-9;  // of the cost, relative
+constexpr double kSingularPivot = 1e-11;    // of the normal matrix scaled to a unit diagonal
+constexpr double kFirstPoseDamping = 1e-5;
+constexpr double kMaxPoseDamping = 1e5;
 
 // Four observations side by side, so that one AVX vector holds one quantity of four observations. (Eight are a quarter
 // faster with AVX-512, three times slower without it, and g++ 12 warns about its own AVX-512 intrinsics.)
@@ -264,8 +263,8 @@ bool IsSingular(const Matrix6& hessian) {
 // of the pose, before and after.
 void Minimize(const Problem& problem, bool robust, int iterations, double small_step, Rigid3* pose,
               NormalEquations* equations) {
-  double damping = kFirstDamping;
-  for (int iteration = 0; iteration < iterations && damping <= kMaxDamping; ++iteration) {
+  double damping = kFirstPoseDamping;
+  for (int iteration = 0; iteration < iterations && damping <= kMaxPoseDamping; ++iteration) {
     Vector6 scale;
     Matrix6 scaled = ScaledToUnitDiagonal(equations->hessian, &scale);
     scaled.diagonal().array() += damping;
@@ -283,7 +282,7 @@ void Minimize(const Problem& problem, bool robust, int iterations, double small_
     *pose = candidate;
     *equations = next;
     damping *= 0.1;
-    if (step.lpNorm<Eigen::Infinity>() < small_step || decrease <= kTinyDecrease * next.cost) {
+    if (step.lpNorm<Eigen::Infinity>() < small_step || decrease <= kTinyPoseDecrease * next.cost) {
       return;
     }
   }

@@ -41,13 +41,6 @@ TrackOutcome Tracker::Track(FrameId frame, double timestamp_s, std::shared_ptr<c
   return outcome;
 }
 
-std::optional<Rigid3> Tracker::ExpectedPose() const {
-  if (!current_.tracked) {
-    return std::nullopt;
-  }
-  return velocity_ ? *velocity_ * current_.camera_from_world : current_.camera_from_world;
-}
-
 void Tracker::FetchLabels() {
   if (label_source_) {
     labels_ = label_source_();

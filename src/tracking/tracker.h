@@ -72,7 +72,9 @@ class Tracker {
                      std::shared_ptr<const LocalMap> map, const WorkerStatus& status, const LabelSource& labels);
 
   // Where the next frame is expected, camera from world, by a steady motion; nothing if the last one was not tracked.
-  [[nodiscard]] std::optional<Rigid3> ExpectedPose() const;
+  [[nodiscard]] std::optional<Rigid3> ExpectedPose() const {
+    return current_.tracked ? std::optional(velocity_.value_or(Rigid3{}) * current_.camera_from_world) : std::nullopt;
+  }
 
   // The frame just tracked as a keyframe; to be called at most once, after Track said wants_keyframe.
   [[nodiscard]] KeyframeCandidate MakeCandidate();
