@@ -8,6 +8,10 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_L
   # False alarms inside std::string (GCC bugs 105329, 105651); AddressSanitizer looks for the real thing.
   target_compile_options(rds_flags INTERFACE -Wno-array-bounds -Wno-restrict)
 endif()
+if(CMAKE_UNITY_BUILD AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  # A class in a .cc file may hold types of its unnamed namespace; in a unity build the file looks like a header.
+  target_compile_options(rds_flags INTERFACE -Wno-subobject-linkage)
+endif()
 if(RDS_WERROR)
   target_compile_options(rds_flags INTERFACE -Werror)
 endif()

@@ -177,6 +177,7 @@ TEST(Slam, TheMapGrowsWithTheFirstLabelOrWhenItIsOverdue) {
     Options options = SmallOptions(true);
     options.semantic.lockstep_delay_frames = delay_frames;
     options.semantic.start_frames = start_frames;
+    options.tracking.policy.min_frames = 0;
     Slam slam(MakeSyntheticCamera(320, 240), options, TrueMasks(frames));
     int alone = 0;
     for (const SyntheticFrame& frame : frames) {

@@ -8,10 +8,10 @@ namespace {
 // A frame that gives no reason for a keyframe.
 KeyframeSituation Calm() {
   KeyframeSituation s;
-  s.frames_since_keyframe = 5;
+  s.frames_since_keyframe = 10;
   s.frames_since_regained = 1000;
   s.mapping_idle = true;
-  s.inliers = 95;
+  s.inliers = 98;
   s.reference_tracked_points = 100;
   s.close_tracked = 200;
   s.close_untracked = 10;
@@ -33,6 +33,16 @@ TEST(KeyframePolicy, ANewViewIsAKeyframeWhenMappingIsIdle) {
   s.mapping_idle = false;
   EXPECT_FALSE(WantsKeyframe(s, options));
   s.frames_since_keyframe = options.max_frames;  // overdue
+  EXPECT_TRUE(WantsKeyframe(s, options));
+}
+
+TEST(KeyframePolicy, SoonAfterAKeyframeOnlyWeakTrackingMakesAnother) {
+  const KeyframePolicyOptions options;
+  KeyframeSituation s = Calm();
+  s.frames_since_keyframe = options.min_frames - 1;
+  s.inliers = static_cast<int>(options.tracked_ratio * 100) - 1;
+  EXPECT_FALSE(WantsKeyframe(s, options));
+  s.inliers = static_cast<int>(options.weak_ratio * 100) - 1;
   EXPECT_TRUE(WantsKeyframe(s, options));
 }
 
