@@ -41,6 +41,13 @@ std::span<const AblationVariant> AblationVariants() {
                       "unknown points as Algorithm 2 has them: only while fewer than tau static ones are there",
                       {"tracking.unknown=paper"}},
       AblationVariant{"no tracks", "labels do not follow keypoints from image to image", {"tracks.enabled=false"}},
+      AblationVariant{"no space",
+                      "labels are not carried through space: neither static surfaces nor what has moved in",
+                      {"semantic.free_space=false"}},
+      AblationVariant{
+          "one start", "the frames before the first label are not tracked again", {"semantic.start_frames=0"}},
+      AblationVariant{
+          "unproven", "points weigh the same however few keyframes see them", {"tracking.proven_sightings=1"}},
       AblationVariant{
           "no association", "tracking does not look at moving probabilities", {"tracking.use_semantics=false"}},
       AblationVariant{

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "base/error.h"
 #include "semantic/evidence.h"
@@ -16,16 +17,19 @@ std::size_t IndexOf(const DepthGrid& grid, int column, int row) {
   return static_cast<std::size_t>(row * grid.columns + column);
 }
 
-// Least depth around a pixel, 0 if some of the block is unknown: at an edge the nearer surface counts, so that a
-// slightly wrong pose empties no place.
-float LeastDepthAround(const DepthGrid& grid, int column, int row) {
-  float least = std::numeric_limits<float>::max();
-  for (int y = row - 1; y <= row + 1; ++y) {
-    for (int x = column - 1; x <= column + 1; ++x) {
-      least = std::min(least, grid.depth_m[IndexOf(grid, x, y)]);
+std::vector<float> LeastDepths(const DepthGrid& grid) {
+  std::vector<float> result(grid.depth_m.size(), 0);
+  for (int row = 1; row + 1 < grid.rows; ++row) {
+    for (int column = 1; column + 1 < grid.columns; ++column) {
+      float least = std::numeric_limits<float>::max();
+      for (int y = row - 1; y <= row + 1; ++y) {
+        const float* const depth_m = &grid.depth_m[IndexOf(grid, column - 1, y)];
+        least = std::min({least, depth_m[0], depth_m[1], depth_m[2]});
+      }
+      result[IndexOf(grid, column, row)] = least;
     }
   }
-  return least;
+  return result;
 }
 
 // Takes away what stands alone: noise of the depth. Returns the number of those that are left.
@@ -53,38 +57,48 @@ int RemoveSingles(const DepthGrid& grid, std::vector<KeypointLabel>& judged) {
   return left;
 }
 
-// One view's word on the samples of a frame; marks those that it saw at all.
+// One view's word on the samples of a frame; marks those that it saw at all. In single precision: it is beside every
+// frame, and samples are coarse.
 void JudgeByView(const FrameData& frame, const Rigid3& view_from_now, const SeenView& view,
                  const FreeSpaceOptions& options, std::vector<KeypointLabel>& judged, std::vector<std::uint8_t>& seen) {
   const DepthGrid& grid = frame.depth_grid();
   const DepthGrid& then = view.data->depth_grid();
   const PinholeCamera& camera = frame.camera();
-  const Eigen::Matrix3d rotation = view_from_now.RotationMatrix();
+  const auto fx = static_cast<float>(camera.fx / kDepthGridStep);  // in samples
+  const auto fy = static_cast<float>(camera.fy / kDepthGridStep);
+  const auto cx = static_cast<float>(camera.cx / kDepthGridStep);
+  const auto cy = static_cast<float>(camera.cy / kDepthGridStep);
+  const auto farther = static_cast<float>(1 + options.margin_depth);
+  const auto same = static_cast<float>(options.match_depth);
+  const auto last_x = static_cast<float>(then.columns - 1);
+  const auto last_y = static_cast<float>(then.rows - 1);
+  const Eigen::Matrix3f rotation = view_from_now.RotationMatrix().cast<float>();
+  const Eigen::Vector3f translation = view_from_now.translation.cast<float>();
   for (int row = 0; row < grid.rows; ++row) {
+    const float ray_y = (static_cast<float>(row) + 0.5F - cy) / fy;
     for (int column = 0; column < grid.columns; ++column) {
       const std::size_t i = IndexOf(grid, column, row);
-      const auto depth_m = static_cast<double>(grid.depth_m[i]);
-      if (depth_m <= 0 || judged[i] == KeypointLabel::kDynamic) {
+      const float depth_m = grid.depth_m[i];
+      if (depth_m <= 0 || judged[i] != KeypointLabel::kNone) {
         continue;
       }
-      const Eigen::Vector2d pixel((column + 0.5) * kDepthGridStep, (row + 0.5) * kDepthGridStep);
-      const Eigen::Vector3d there = rotation * camera.Unproject(pixel, depth_m) + view_from_now.translation;
+      const Eigen::Vector3f ray((static_cast<float>(column) + 0.5F - cx) / fx, ray_y, 1);
+      const Eigen::Vector3f there = depth_m * (rotation * ray) + translation;
       if (there.z() <= 0) {
         continue;
       }
-      const Eigen::Vector2d place = camera.Project(there) / kDepthGridStep;
-      if (!(place.x() >= 1 && place.y() >= 1 && place.x() < then.columns - 1 && place.y() < then.rows - 1)) {
+      const float x = fx * there.x() / there.z() + cx;
+      const float y = fy * there.y() / there.z() + cy;
+      if (!(x >= 1 && y >= 1 && x < last_x && y < last_y)) {
         continue;
       }
-      const auto x = static_cast<int>(place.x());
-      const auto y = static_cast<int>(place.y());
-      const auto looked_m = static_cast<double>(LeastDepthAround(then, x, y));
+      const std::size_t place = IndexOf(then, static_cast<int>(x), static_cast<int>(y));
+      const float looked_m = view.least_depth_m[place];
       seen[i] |= looked_m > 0 ? 1 : 0;
-      if (looked_m > there.z() * (1 + options.margin_depth)) {
+      if (looked_m > there.z() * farther) {
         judged[i] = KeypointLabel::kDynamic;
-      } else if (!view.labels.empty() && view.labels[IndexOf(then, x, y)] == KeypointLabel::kStatic &&
-                 std::abs(static_cast<double>(then.depth_m[IndexOf(then, x, y)]) - there.z()) <
-                     there.z() * options.match_depth) {
+      } else if (!view.labels.empty() && view.labels[place] == KeypointLabel::kStatic &&
+                 std::abs(then.depth_m[place] - there.z()) < there.z() * same) {
         judged[i] = KeypointLabel::kStatic;
       }
     }
@@ -106,6 +120,12 @@ std::vector<KeypointLabel> LabelGrid(const FrameData& data, const Image8& mask) 
     }
   }
   return labels;
+}
+
+SeenView MakeView(FrameId frame, std::shared_ptr<const FrameData> data, const Rigid3& camera_from_world,
+                  std::vector<KeypointLabel> labels) {
+  std::vector<float> least_depth_m = LeastDepths(data->depth_grid());
+  return {frame, std::move(data), camera_from_world, std::move(labels), std::move(least_depth_m)};
 }
 
 std::vector<KeypointLabel> JudgeBySpace(const FrameData& frame, const Rigid3& camera_from_world,
@@ -140,7 +160,7 @@ std::vector<SeenView> EarlierViews(const Map& map, KeyframeId id, const FreeSpac
   const auto count = std::min(candidates.size(), static_cast<std::size_t>(options.views));
   for (std::size_t i = 1; i <= count; ++i) {
     const Keyframe& chosen = *candidates[i * candidates.size() / count - 1];
-    views.push_back({chosen.frame, chosen.data, chosen.camera_from_world, {}});
+    views.push_back(MakeView(chosen.frame, chosen.data, chosen.camera_from_world, {}));
   }
   return views;
 }

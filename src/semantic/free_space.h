@@ -25,7 +25,13 @@ struct SeenView {
   std::shared_ptr<const FrameData> data;
   Rigid3 camera_from_world;
   std::vector<KeypointLabel> labels;
+  // Least depth of each sample and its neighbours, 0 at the border and where one of them is unknown: at an edge the
+  // nearer surface counts, so that a slightly wrong pose empties no place.
+  std::vector<float> least_depth_m;
 };
+
+[[nodiscard]] SeenView MakeView(FrameId frame, std::shared_ptr<const FrameData> data, const Rigid3& camera_from_world,
+                                std::vector<KeypointLabel> labels);
 
 // What the mask says of each sample of a frame's depth grid.
 [[nodiscard]] std::vector<KeypointLabel> LabelGrid(const FrameData& data, const Image8& mask);
@@ -34,7 +40,7 @@ struct SeenView {
 // - dynamic where one of them looked through the place, so that something has moved in; this needs no network: it finds
 //   people that a mask misses and what moves without being a person, but nothing that keeps still;
 // - static where one of them saw the same surface at the same place and its mask calls it static;
-// - none elsewhere.
+// - none elsewhere. The word of the first view that has one counts.
 // Where more moved in than is credible, nothing is called dynamic. Empty without a grid. Distortion of the lens, a few
 // pixels, is not taken out.
 [[nodiscard]] std::vector<KeypointLabel> JudgeBySpace(const FrameData& frame, const Rigid3& camera_from_world,

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <utility>
 
 namespace rds {
 namespace {
@@ -41,7 +42,7 @@ std::ptrdiff_t Count(const std::vector<KeypointLabel>& judged, KeypointLabel lab
 
 // A view of the wall and the board from the origin.
 SeenView View(int left, int right, std::vector<KeypointLabel> labels = {}) {
-  return {FrameId{0}, Wall(left, right), {}, std::move(labels)};
+  return MakeView(FrameId{0}, Wall(left, right), {}, std::move(labels));
 }
 
 TEST(JudgeBySpace, FindsWhatStandsWhereAnEarlierViewSawTheWall) {
@@ -81,7 +82,7 @@ TEST(JudgeBySpace, TellsNothingWithoutViewsOrAGrid) {
   EXPECT_EQ(Count(JudgeBySpace(*Wall(30, 40), {}, {}, {}), KeypointLabel::kNone), kColumns * kRows);
   const std::vector<SeenView> views{View(30, 40)};
   EXPECT_TRUE(JudgeBySpace(*bare, {}, views, {}).empty());
-  const std::vector<SeenView> bare_views{{FrameId{0}, bare, {}, {}}};
+  const std::vector<SeenView> bare_views{MakeView(FrameId{0}, bare, {}, {})};
   EXPECT_EQ(Count(JudgeBySpace(*Wall(35, 45), {}, bare_views, {}), KeypointLabel::kNone), kColumns * kRows);
 }
 

@@ -148,7 +148,7 @@ void Pipeline::ShowLabelled(const LabelledRound& round) {
   for (std::size_t i = 0; i < round.items.size(); ++i) {
     if (!round.masks[i].empty()) {
       const BacklogItem& item = round.items[i];
-      labelled_.push_back({item.frame, item.data, {}, LabelGrid(*item.data, round.masks[i])});
+      labelled_.push_back(MakeView(item.frame, item.data, {}, LabelGrid(*item.data, round.masks[i])));
     }
   }
   std::ranges::sort(labelled_, std::ranges::greater(), &SeenView::frame);

@@ -19,7 +19,7 @@ struct KeyframePolicyOptions {
   int paper_frames = 20;  // paper: frames since the last keyframe or regaining
   int paper_points = 50;
   double paper_ratio = 0.9;
-  int semantic_frames = 4;  // with semantics: a keyframe for an idle segmenter, at most so often; 0 = never
+  int semantic_frames = 8;  // with semantics: a keyframe for an idle segmenter, at most so often; 0 = never
 };
 
 // What the policy looks at.
