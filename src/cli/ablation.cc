@@ -40,7 +40,8 @@ std::span<const AblationVariant> AblationVariants() {
       AblationVariant{"paper's unknowns",
                       "unknown points as Algorithm 2 has them: only while fewer than tau static ones are there",
                       {"tracking.unknown=paper"}},
-      AblationVariant{"no tracks", "labels do not follow keypoints from image to image", {"tracks.enabled=false"}},
+      AblationVariant{
+          "no carry", "labels are not carried from frame to frame, nor through space", {"carry.enabled=false"}},
       AblationVariant{"no space",
                       "labels are not carried through space: neither static surfaces nor what has moved in",
                       {"semantic.free_space=false"}},
@@ -60,6 +61,12 @@ std::span<const AblationVariant> AblationVariants() {
                       {"mapping.ba_labelled_only=true"}},
       AblationVariant{"sequential", "keyframes are labelled in their order", {"semantic.selection=sequential"}},
       AblationVariant{"newest", "only the newest keyframes are labelled", {"semantic.selection=newest"}},
+      AblationVariant{"busy",
+                      "a keyframe every three frames, more than masks can follow",
+                      {"keyframe.max_frames=3", "keyframe.min_frames=0"}},
+      AblationVariant{"busy, sequential",
+                      "so many keyframes, labelled in their order",
+                      {"keyframe.max_frames=3", "keyframe.min_frames=0", "semantic.selection=sequential"}},
       AblationVariant{"no semantics", "no segmentation at all", {}, false},
   };
   return variants;

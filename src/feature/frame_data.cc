@@ -9,8 +9,7 @@
 
 namespace rds {
 
-ScalePyramid::ScalePyramid(int levels_, double factor_)
-    : levels(levels_), factor(factor_), log_factor(std::log(factor_)) {
+ScalePyramid::ScalePyramid(int levels_, double factor_) : levels(levels_), factor(factor_) {
   Check(levels > 0 && factor > 1, "a scale pyramid needs a level and a factor above 1");
   for (int i = 0; i < levels; ++i) {
     const double s = std::pow(factor, i);
@@ -20,8 +19,12 @@ ScalePyramid::ScalePyramid(int levels_, double factor_)
 }
 
 int ScalePyramid::PredictLevel(double max_distance_m, double distance_m) const {
-  const int level = static_cast<int>(std::ceil(std::log(max_distance_m / distance_m) / log_factor));
-  return std::clamp(level, 0, levels - 1);
+  const auto ratio = static_cast<float>(max_distance_m / distance_m);
+  int level = 0;
+  while (level < levels - 1 && scale[static_cast<std::size_t>(level)] < ratio) {
+    ++level;
+  }
+  return level;
 }
 
 FrameData::FrameData(const PinholeCamera& camera, std::vector<Keypoint> keypoints, std::vector<Descriptor> descriptors,

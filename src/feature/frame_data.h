@@ -43,7 +43,6 @@ struct ScalePyramid {
 
   int levels;
   double factor;
-  double log_factor;
   std::vector<float> scale;            // factor^i
   std::vector<double> inverse_sigma2;  // 1 / scale^2
 

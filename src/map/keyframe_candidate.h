@@ -27,7 +27,6 @@ struct KeyframeCandidate {
   Rigid3 camera_from_reference;        // pose; in the world if there is no reference
   std::vector<PointId> points;         // one for each keypoint, invalid = none
   std::vector<std::uint32_t> blocked;  // keypoints that showed dynamic points: no new point is made there
-  std::vector<PointId> tracks;         // image-space track of each keypoint; empty without semantics
   std::vector<double> probabilities;   // moving probability that a new point starts from; empty without semantics
   std::vector<PointUse> uses;          // since the keyframe before
 };

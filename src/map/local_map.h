@@ -13,7 +13,7 @@
 namespace rds {
 
 struct LocalMapOptions {
-  int keyframes = 80;   // at most, in a snapshot
+  int keyframes = 40;   // at most, in a snapshot
   int neighbours = 10;  // best covisible keyframes that each covisible keyframe brings along
 };
 

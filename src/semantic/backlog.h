@@ -24,8 +24,7 @@ struct BacklogItem {
   double timestamp_s = 0;
   std::shared_ptr<const Image8> image;
   std::shared_ptr<const FrameData> data;
-  std::vector<PointId> tracks;  // image-space track of each keypoint, invalid where there is none; may be empty
-  bool from_front = false;      // set by Select: goes on to the semantic-based optimisation
+  bool from_front = false;  // set by Select: goes on to the semantic-based optimisation
 };
 
 // Holds the images of unlabelled keyframes, at most `capacity`. Every item leaves it once: selected, or dropped when

@@ -8,7 +8,7 @@
 namespace rds {
 namespace {
 
-BacklogItem Item(std::uint32_t frame) { return {FrameId{frame}, 0, nullptr, nullptr, {}, false}; }
+BacklogItem Item(std::uint32_t frame) { return {FrameId{frame}, 0, nullptr, nullptr, false}; }
 
 std::vector<std::uint32_t> Frames(const std::vector<BacklogItem>& items) {
   std::vector<std::uint32_t> frames;

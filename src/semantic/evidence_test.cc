@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "semantic/mask.h"
+#include "testing/view.h"
 
 namespace rds {
 namespace {
@@ -16,17 +17,9 @@ constexpr KeypointLabel kNone = KeypointLabel::kNone;
 constexpr KeypointLabel kStatic = KeypointLabel::kStatic;
 constexpr KeypointLabel kDynamic = KeypointLabel::kDynamic;
 
-PinholeCamera Camera() {
-  PinholeCamera camera;
-  camera.fx = camera.fy = 500;
-  camera.cx = 320;
-  camera.cy = 240;
-  return camera;
-}
-
 std::shared_ptr<const FrameData> Data(std::vector<Keypoint> keypoints) {
   std::vector<Descriptor> descriptors(keypoints.size());
-  return std::make_shared<const FrameData>(Camera(), std::move(keypoints), std::move(descriptors));
+  return std::make_shared<const FrameData>(TestCamera(), std::move(keypoints), std::move(descriptors));
 }
 
 // Two keyframes of four keypoints each.

@@ -7,10 +7,12 @@
 
 #include "base/error.h"
 #include "semantic/evidence.h"
+#include "semantic/grid_warp.h"
 
 namespace rds {
 namespace {
 
+constexpr double kMostShare = 0.4;   // of the view that can have moved in
 constexpr int kLeastNeighbours = 4;  // of a sample that moved in, itself among them, in a block of 3 x 3
 
 std::size_t IndexOf(const DepthGrid& grid, int column, int row) {
@@ -57,48 +59,35 @@ int RemoveSingles(const DepthGrid& grid, std::vector<KeypointLabel>& judged) {
   return left;
 }
 
-// One view's word on the samples of a frame; marks those that it saw at all. In single precision: it is beside every
-// frame, and samples are coarse.
+// One view's word on the samples of a frame; marks those that it saw at all.
 void JudgeByView(const FrameData& frame, const Rigid3& view_from_now, const SeenView& view,
                  const FreeSpaceOptions& options, std::vector<KeypointLabel>& judged, std::vector<std::uint8_t>& seen) {
   const DepthGrid& grid = frame.depth_grid();
   const DepthGrid& then = view.data->depth_grid();
-  const PinholeCamera& camera = frame.camera();
-  const auto fx = static_cast<float>(camera.fx / kDepthGridStep);  // in samples
-  const auto fy = static_cast<float>(camera.fy / kDepthGridStep);
-  const auto cx = static_cast<float>(camera.cx / kDepthGridStep);
-  const auto cy = static_cast<float>(camera.cy / kDepthGridStep);
+  const GridWarp warp(frame.camera(), view_from_now);
   const auto farther = static_cast<float>(1 + options.margin_depth);
   const auto same = static_cast<float>(options.match_depth);
-  const auto last_x = static_cast<float>(then.columns - 1);
-  const auto last_y = static_cast<float>(then.rows - 1);
-  const Eigen::Matrix3f rotation = view_from_now.RotationMatrix().cast<float>();
-  const Eigen::Vector3f translation = view_from_now.translation.cast<float>();
+  const auto last_column = static_cast<float>(then.columns - 1);
+  const auto last_row = static_cast<float>(then.rows - 1);
   for (int row = 0; row < grid.rows; ++row) {
-    const float ray_y = (static_cast<float>(row) + 0.5F - cy) / fy;
     for (int column = 0; column < grid.columns; ++column) {
       const std::size_t i = IndexOf(grid, column, row);
       const float depth_m = grid.depth_m[i];
       if (depth_m <= 0 || judged[i] != KeypointLabel::kNone) {
         continue;
       }
-      const Eigen::Vector3f ray((static_cast<float>(column) + 0.5F - cx) / fx, ray_y, 1);
-      const Eigen::Vector3f there = depth_m * (rotation * ray) + translation;
-      if (there.z() <= 0) {
+      const GridPlace there = warp({static_cast<float>(column) + 0.5F, static_cast<float>(row) + 0.5F, depth_m});
+      if (!(there.depth_m > 0 && there.column >= 1 && there.row >= 1 && there.column < last_column &&
+            there.row < last_row)) {
         continue;
       }
-      const float x = fx * there.x() / there.z() + cx;
-      const float y = fy * there.y() / there.z() + cy;
-      if (!(x >= 1 && y >= 1 && x < last_x && y < last_y)) {
-        continue;
-      }
-      const std::size_t place = IndexOf(then, static_cast<int>(x), static_cast<int>(y));
+      const std::size_t place = IndexOf(then, static_cast<int>(there.column), static_cast<int>(there.row));
       const float looked_m = view.least_depth_m[place];
       seen[i] |= looked_m > 0 ? 1 : 0;
-      if (looked_m > there.z() * farther) {
+      if (looked_m > there.depth_m * farther) {
         judged[i] = KeypointLabel::kDynamic;
       } else if (!view.labels.empty() && view.labels[place] == KeypointLabel::kStatic &&
-                 std::abs(then.depth_m[place] - there.z()) < there.z() * same) {
+                 std::abs(then.depth_m[place] - there.depth_m) < there.depth_m * same) {
         judged[i] = KeypointLabel::kStatic;
       }
     }
@@ -137,13 +126,13 @@ std::vector<KeypointLabel> JudgeBySpace(const FrameData& frame, const Rigid3& ca
     JudgeByView(frame, view.camera_from_world * camera_from_world.Inverse(), view, options, judged, seen);
   }
   const auto moved = static_cast<double>(RemoveSingles(grid, judged));
-  if (moved > options.most_share * static_cast<double>(std::ranges::count(seen, 1))) {
+  if (moved > kMostShare * static_cast<double>(std::ranges::count(seen, 1))) {
     std::ranges::replace(judged, KeypointLabel::kDynamic, KeypointLabel::kNone);
   }
   return judged;
 }
 
-std::vector<SeenView> EarlierViews(const Map& map, KeyframeId id, const FreeSpaceOptions& options) {
+std::vector<SeenView> EarlierViews(const Map& map, KeyframeId id) {
   const Keyframe& keyframe = map.At(id);
   std::vector<const Keyframe*> candidates;
   for (auto other = map.keyframes().rbegin(); other != map.keyframes().rend(); ++other) {
@@ -151,13 +140,13 @@ std::vector<SeenView> EarlierViews(const Map& map, KeyframeId id, const FreeSpac
     if (earlier.frame >= keyframe.frame) {
       continue;
     }
-    if (keyframe.frame.value - earlier.frame.value > static_cast<std::uint32_t>(options.most_frames)) {
+    if (keyframe.frame.value - earlier.frame.value > kFreeSpaceFrames) {
       break;
     }
     candidates.push_back(&earlier);
   }
   std::vector<SeenView> views;
-  const auto count = std::min(candidates.size(), static_cast<std::size_t>(options.views));
+  const auto count = std::min(candidates.size(), kFreeSpaceViews);
   for (std::size_t i = 1; i <= count; ++i) {
     const Keyframe& chosen = *candidates[i * candidates.size() / count - 1];
     views.push_back(MakeView(chosen.frame, chosen.data, chosen.camera_from_world, {}));

@@ -12,12 +12,12 @@ namespace rds {
 
 struct FreeSpaceOptions {
   bool enabled = true;
-  int views = 3;              // earlier ones that are asked
-  int most_frames = 60;       // how much earlier they may be
-  double margin_depth = 0.1;  // they must have looked that much farther, as a share of the depth
+  double margin_depth = 0.1;  // an earlier view must have looked that much farther, as a share of the depth
   double match_depth = 0.04;  // a surface is the same one up to this share of its depth
-  double most_share = 0.4;    // if more of the view seems to have moved in, it is the pose that is wrong
 };
+
+inline constexpr std::size_t kFreeSpaceViews = 3;      // earlier views that are asked
+inline constexpr std::uint32_t kFreeSpaceFrames = 60;  // how much earlier they may be
 
 // A frame whose pose is known, and what its mask says of each sample of its depth grid (empty: nothing).
 struct SeenView {
@@ -41,13 +41,13 @@ struct SeenView {
 //   people that a mask misses and what moves without being a person, but nothing that keeps still;
 // - static where one of them saw the same surface at the same place and its mask calls it static;
 // - none elsewhere. The word of the first view that has one counts.
-// Where more moved in than is credible, nothing is called dynamic. Empty without a grid. Distortion of the lens, a few
-// pixels, is not taken out.
+// Where more of the view moved in than is credible, it is the pose that is wrong, and nothing is called dynamic. Empty
+// without a grid. Re-entrant.
 [[nodiscard]] std::vector<KeypointLabel> JudgeBySpace(const FrameData& frame, const Rigid3& camera_from_world,
                                                       std::span<const SeenView> views, const FreeSpaceOptions& options);
 
 // Earlier keyframes to judge one by, spread over the time allowed; without labels. Needs the door of the map.
-[[nodiscard]] std::vector<SeenView> EarlierViews(const Map& map, KeyframeId keyframe, const FreeSpaceOptions& options);
+[[nodiscard]] std::vector<SeenView> EarlierViews(const Map& map, KeyframeId keyframe);
 
 // Makes the labels of keypoints dynamic where the sample is.
 void LabelMovedIn(const FrameData& data, std::span<const KeypointLabel> judged, std::vector<KeypointLabel>& labels);

@@ -6,34 +6,13 @@
 #include <memory>
 #include <utility>
 
+#include "testing/board.h"
+
 namespace rds {
 namespace {
 
-constexpr int kColumns = 80;
-constexpr int kRows = 60;
-
-PinholeCamera Camera() {
-  PinholeCamera camera;
-  camera.fx = camera.fy = 500;
-  camera.cx = 320;
-  camera.cy = 240;
-  return camera;
-}
-
-// A wall at 3 m, and in front of it a board at 1.5 m over the columns from `left` on, if any.
-std::shared_ptr<const FrameData> Wall(int left = kColumns, int right = kColumns, std::vector<Keypoint> keypoints = {}) {
-  DepthGrid grid{kColumns, kRows, std::vector<float>(static_cast<std::size_t>(kColumns * kRows), 3.0F)};
-  for (int row = 10; row < 50; ++row) {
-    for (int column = left; column < right; ++column) {
-      grid.depth_m[static_cast<std::size_t>(row * kColumns + column)] = 1.5F;
-    }
-  }
-  std::vector<Descriptor> descriptors(keypoints.size());
-  return std::make_shared<const FrameData>(Camera(), std::move(keypoints), std::move(descriptors), std::move(grid));
-}
-
 KeypointLabel At(const std::vector<KeypointLabel>& judged, int column, int row) {
-  return judged[static_cast<std::size_t>(row * kColumns + column)];
+  return judged[SampleAt(column, row)];
 }
 
 std::ptrdiff_t Count(const std::vector<KeypointLabel>& judged, KeypointLabel label) {
@@ -41,13 +20,13 @@ std::ptrdiff_t Count(const std::vector<KeypointLabel>& judged, KeypointLabel lab
 }
 
 // A view of the wall and the board from the origin.
-SeenView View(int left, int right, std::vector<KeypointLabel> labels = {}) {
-  return MakeView(FrameId{0}, Wall(left, right), {}, std::move(labels));
+SeenView View(const Board& board, std::vector<KeypointLabel> labels = {}) {
+  return MakeView(FrameId{0}, SeeBoard(board), {}, std::move(labels));
 }
 
 TEST(JudgeBySpace, FindsWhatStandsWhereAnEarlierViewSawTheWall) {
-  const std::vector<SeenView> views{View(30, 40)};
-  const auto judged = JudgeBySpace(*Wall(35, 45), {}, views, {});
+  const std::vector<SeenView> views{View({30, 40})};
+  const auto judged = JudgeBySpace(*SeeBoard({35, 45}), {}, views, {});
   EXPECT_EQ(At(judged, 43, 30), KeypointLabel::kDynamic);  // new there
   EXPECT_EQ(At(judged, 37, 30), KeypointLabel::kNone);     // was there before, too
   EXPECT_EQ(At(judged, 32, 30), KeypointLabel::kNone);     // the wall has come to light: nothing moved in
@@ -57,38 +36,39 @@ TEST(JudgeBySpace, FindsWhatStandsWhereAnEarlierViewSawTheWall) {
 TEST(JudgeBySpace, ABoardThatKeepsStillHasNotMovedWhereverItIsSeenFrom) {
   Rigid3 camera_from_world;
   camera_from_world.translation = {-0.24, 0, 0};  // to the right: the board shifts by ten samples, the wall by five
-  const std::vector<SeenView> views{View(30, 40)};
-  EXPECT_EQ(Count(JudgeBySpace(*Wall(20, 30), camera_from_world, views, {}), KeypointLabel::kDynamic), 0);
+  const std::vector<SeenView> views{View({30, 40})};
+  EXPECT_EQ(Count(JudgeBySpace(*SeeBoard({20, 30}), camera_from_world, views, {}), KeypointLabel::kDynamic), 0);
   // The same picture by a wrong pose: the board has jumped.
-  EXPECT_GT(Count(JudgeBySpace(*Wall(20, 30), {}, views, {}), KeypointLabel::kDynamic), 0);
+  EXPECT_GT(Count(JudgeBySpace(*SeeBoard({20, 30}), {}, views, {}), KeypointLabel::kDynamic), 0);
 }
 
 TEST(JudgeBySpace, AStaticSurfaceSeenAgainIsStaticAndNothingElseIs) {
-  std::vector<KeypointLabel> labels(static_cast<std::size_t>(kColumns * kRows), KeypointLabel::kStatic);
-  for (int row = 0; row < kRows; ++row) {
-    for (int column = 30; column < kColumns; ++column) {  // the board, and the wall to the right of it
-      labels[static_cast<std::size_t>(row * kColumns + column)] = KeypointLabel::kDynamic;
+  std::vector<KeypointLabel> labels(static_cast<std::size_t>(kBoardColumns * kBoardRows), KeypointLabel::kStatic);
+  for (int row = 0; row < kBoardRows; ++row) {
+    for (int column = 30; column < kBoardColumns; ++column) {  // the board, and the wall to the right of it
+      labels[SampleAt(column, row)] = KeypointLabel::kDynamic;
     }
   }
-  const std::vector<SeenView> views{View(30, 40, labels)};
-  const auto judged = JudgeBySpace(*Wall(20, 30), {}, views, {});
+  const std::vector<SeenView> views{View({30, 40}, labels)};
+  const auto judged = JudgeBySpace(*SeeBoard({20, 30}), {}, views, {});
   EXPECT_EQ(At(judged, 10, 30), KeypointLabel::kStatic);
   EXPECT_EQ(At(judged, 25, 30), KeypointLabel::kDynamic);  // the board stands where the wall was seen
   EXPECT_EQ(At(judged, 60, 30), KeypointLabel::kNone);     // no word of a label that may be old
 }
 
 TEST(JudgeBySpace, TellsNothingWithoutViewsOrAGrid) {
-  const auto bare = std::make_shared<const FrameData>(Camera(), std::vector<Keypoint>{}, std::vector<Descriptor>{});
-  EXPECT_EQ(Count(JudgeBySpace(*Wall(30, 40), {}, {}, {}), KeypointLabel::kNone), kColumns * kRows);
-  const std::vector<SeenView> views{View(30, 40)};
+  const auto bare = std::make_shared<const FrameData>(TestCamera(), std::vector<Keypoint>{}, std::vector<Descriptor>{});
+  EXPECT_EQ(Count(JudgeBySpace(*SeeBoard({30, 40}), {}, {}, {}), KeypointLabel::kNone), kBoardColumns * kBoardRows);
+  const std::vector<SeenView> views{View({30, 40})};
   EXPECT_TRUE(JudgeBySpace(*bare, {}, views, {}).empty());
   const std::vector<SeenView> bare_views{MakeView(FrameId{0}, bare, {}, {})};
-  EXPECT_EQ(Count(JudgeBySpace(*Wall(35, 45), {}, bare_views, {}), KeypointLabel::kNone), kColumns * kRows);
+  EXPECT_EQ(Count(JudgeBySpace(*SeeBoard({35, 45}), {}, bare_views, {}), KeypointLabel::kNone),
+            kBoardColumns * kBoardRows);
 }
 
 TEST(JudgeBySpace, BlamesThePoseIfNearlyAllMovedIn) {
-  const std::vector<SeenView> views{View(kColumns, kColumns)};
-  EXPECT_EQ(Count(JudgeBySpace(*Wall(5, 75), {}, views, {}), KeypointLabel::kDynamic), 0);
+  const std::vector<SeenView> views{View({})};
+  EXPECT_EQ(Count(JudgeBySpace(*SeeBoard({5, 75}), {}, views, {}), KeypointLabel::kDynamic), 0);
 }
 
 TEST(LabelGrid, TakesTheMiddleOfEachSample) {
@@ -96,29 +76,27 @@ TEST(LabelGrid, TakesTheMiddleOfEachSample) {
   mask.At(43 * kDepthGridStep + kDepthGridStep / 2, 30 * kDepthGridStep + kDepthGridStep / 2) = 255;
   mask.At(44 * kDepthGridStep + kDepthGridStep / 2, 30 * kDepthGridStep + kDepthGridStep / 2) = 128;
   mask.At(45 * kDepthGridStep, 30 * kDepthGridStep) = 255;
-  const auto labels = LabelGrid(*Wall(), mask);
+  const auto labels = LabelGrid(*SeeBoard({}), mask);
   EXPECT_EQ(At(labels, 43, 30), KeypointLabel::kDynamic);
   EXPECT_EQ(At(labels, 44, 30), KeypointLabel::kNone);
   EXPECT_EQ(At(labels, 45, 30), KeypointLabel::kStatic);
-  EXPECT_EQ(std::ssize(labels), kColumns * kRows);
+  EXPECT_EQ(std::ssize(labels), kBoardColumns * kBoardRows);
 }
 
 TEST(EarlierViews, AreSpreadOverTheTimeAllowedTheOldestAmongThem) {
   Map map{ScalePyramid()};
   for (const std::uint32_t frame : {0U, 10U, 20U, 30U, 40U, 50U, 60U, 70U}) {
-    map.AddKeyframe(FrameId{frame}, frame, {}, Wall());
+    map.AddKeyframe(FrameId{frame}, frame, {}, SeeBoard({}));
   }
-  FreeSpaceOptions options;
-  options.views = 2;
-  options.most_frames = 40;
   const auto frames = [&](KeyframeId of) {
     std::vector<std::uint32_t> result;
-    for (const SeenView& view : EarlierViews(map, of, options)) {
+    for (const SeenView& view : EarlierViews(map, of)) {
       result.push_back(view.frame.value);
     }
     return result;
   };
-  EXPECT_EQ(frames(KeyframeId{6}), (std::vector<std::uint32_t>{40, 20}));  // of frame 60
+  EXPECT_EQ(frames(KeyframeId{6}), (std::vector<std::uint32_t>{40, 20, 0}));   // of frame 60
+  EXPECT_EQ(frames(KeyframeId{7}), (std::vector<std::uint32_t>{50, 30, 10}));  // of frame 70: 0 is too long ago
   EXPECT_EQ(frames(KeyframeId{1}), (std::vector<std::uint32_t>{0}));
   EXPECT_TRUE(frames(KeyframeId{0}).empty());
 }
@@ -129,8 +107,8 @@ TEST(LabelMovedIn, MakesKeypointsThereDynamicAndLeavesTheOthers) {
   keypoints[0].raw_y = 30 * kDepthGridStep + 3;
   keypoints[1].raw_x = 60 * kDepthGridStep + 3;
   keypoints[1].raw_y = 30 * kDepthGridStep + 3;
-  const auto now = Wall(35, 45, keypoints);
-  const std::vector<SeenView> views{View(30, 40)};
+  const auto now = SeeBoard({35, 45}, keypoints);
+  const std::vector<SeenView> views{View({30, 40})};
   std::vector<KeypointLabel> labels{KeypointLabel::kStatic, KeypointLabel::kStatic};
   LabelMovedIn(*now, JudgeBySpace(*now, {}, views, {}), labels);
   EXPECT_EQ(labels, (std::vector{KeypointLabel::kDynamic, KeypointLabel::kStatic}));

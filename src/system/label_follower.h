@@ -1,50 +1,46 @@
-// Labels that follow keypoints through the images, beside tracking.
+// The thread that carries labels from frame to frame, beside tracking.
 #pragma once
 
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "runtime/bounded_queue.h"
+#include "runtime/published.h"
 #include "runtime/worker.h"
-#include "semantic/free_space.h"
-#include "tracking/feature_tracks.h"
+#include "semantic/label_field.h"
 
 namespace rds {
 
-// Runs FeatureTracks on a thread of its own, so that it costs tracking no time: it works while tracking searches for
-// the points of the last frame, and needs less time than that. In lockstep it works when asked. One caller: Begin, then
-// Get, once each for a frame.
+// Runs LabelCarrier on a thread of its own; tracking never waits for it, and takes the newest labels there are: as a
+// rule those of the frame before. In lockstep it works when it is offered a frame. One caller.
 class LabelFollower {
  public:
-  // The table of labels by track must outlive it.
-  LabelFollower(const FeatureTrackOptions& options, const MovingProbabilityOptions& probability,
-                const FreeSpaceOptions& space, MovingProbabilities& labels, bool lockstep);
-  ~LabelFollower();
-
-  // `views` are labelled ones, may be null; `expected` is the pose (camera from world) that the frame should have,
-  // nothing where it cannot be told.
-  void Begin(std::shared_ptr<const FrameData> frame, std::shared_ptr<const std::vector<SeenView>> views,
-             const std::optional<Rigid3>& expected);
-  // Waits for the labels of the frame that was begun. Throws what the thread threw.
-  [[nodiscard]] KeypointLabels Get();
-
- private:
-  struct Request {
-    std::shared_ptr<const FrameData> frame;
-    std::shared_ptr<const std::vector<SeenView>> views;
-    std::optional<Rigid3> expected;
+  struct TrackedFrame {
+    FrameId frame;
+    std::shared_ptr<const FrameData> data;
+    Rigid3 camera_from_world;
+    std::shared_ptr<const std::vector<SeenView>> views;  // labelled ones; may be null
   };
 
-  void Run();
-  [[nodiscard]] KeypointLabels Follow(Request request);
+  LabelFollower(const LabelCarryOptions& options, const FreeSpaceOptions& space, bool lockstep);
+  ~LabelFollower();
 
-  FeatureTracks tracks_;
-  MovingProbabilityOptions probability_;
-  FreeSpaceOptions space_;
-  MovingProbabilities& labels_;
-  BoundedQueue<Request> frames_{1};
-  BoundedQueue<KeypointLabels> results_{1};
-  int begun_ = 0;
+  // Frames ascend. Never waits: where the thread is far behind, the frame is left out. Throws what the thread threw.
+  void Offer(TrackedFrame frame);
+  // As Worker has it.
+  void LeaveCallersCore();
+  // Null before the first.
+  [[nodiscard]] std::shared_ptr<const LabelField> Newest() const { return newest_.Get(); }
+
+ private:
+  static constexpr std::size_t kMostWaiting = 64;
+
+  void Follow(const TrackedFrame& frame);
+
+  LabelCarrier carrier_;
+  BoundedQueue<TrackedFrame> frames_{kMostWaiting};
+  Published<LabelField> newest_;
   std::optional<Worker> worker_;  // none in lockstep
 };
 

@@ -2,55 +2,78 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <thread>
+
 #include "base/error.h"
+#include "testing/board.h"
 
 namespace rds {
 namespace {
 
-std::shared_ptr<const FrameData> Frame(int keypoints) {
-  std::vector<Keypoint> all(static_cast<std::size_t>(keypoints));
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    all[i].x = all[i].raw_x = static_cast<float>(20 * i % 600);
-    all[i].y = all[i].raw_y = static_cast<float>(20 * (i / 30));
-    all[i].depth_m = 1;
-  }
-  PinholeCamera camera;
-  camera.width = 640;
-  camera.height = 480;
-  return std::make_shared<const FrameData>(camera, all, std::vector<Descriptor>(all.size()));
-}
+LabelFollower::TrackedFrame Frame(std::uint32_t frame) { return {FrameId{frame}, SeeBoard({20, 40}), {}, nullptr}; }
 
-TEST(LabelFollowerTest, AnswersForTheFrameThatWasBegunOnAThreadAndInLockstepAlike) {
-  for (const bool lockstep : {true, false}) {
-    MovingProbabilities table;
-    LabelFollower follower({}, {}, {}, table, lockstep);
-    for (const int keypoints : {10, 0, 300}) {
-      follower.Begin(Frame(keypoints), nullptr, Rigid3{});
-      const KeypointLabels labels = follower.Get();
-      EXPECT_EQ(labels.tracks.size(), static_cast<std::size_t>(keypoints));
-      EXPECT_EQ(labels.probabilities.size(), static_cast<std::size_t>(keypoints));
+// Waits for the labels of a frame, a few seconds at most.
+bool Arrives(const LabelFollower& follower, FrameId frame) {
+  for (int i = 0; i < 5000; ++i) {
+    const auto newest = follower.Newest();
+    if (newest && newest->frame == frame) {
+      return true;
     }
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  return false;
+}
+
+TEST(LabelFollowerTest, PublishesTheLabelsOfTheNewestFrame) {
+  LabelFollower follower({}, {}, false);
+  EXPECT_EQ(follower.Newest(), nullptr);
+  for (const std::uint32_t frame : {0U, 1U, 5U}) {
+    follower.LeaveCallersCore();
+    follower.Offer(Frame(frame));
+    EXPECT_TRUE(Arrives(follower, FrameId{frame}));
   }
 }
 
-TEST(LabelFollowerTest, EndsWithAnAnswerThatNobodyFetched) {
-  MovingProbabilities table;
-  LabelFollower follower({}, {}, {}, table, false);
-  follower.Begin(Frame(100), nullptr, Rigid3{});
+TEST(LabelFollowerTest, WorksAtOnceInLockstep) {
+  LabelFollower follower({}, {}, true);
+  for (const std::uint32_t frame : {0U, 1U, 5U}) {
+    follower.LeaveCallersCore();
+    follower.Offer(Frame(frame));
+    ASSERT_NE(follower.Newest(), nullptr);
+    EXPECT_EQ(follower.Newest()->frame, FrameId{frame});
+  }
 }
 
-TEST(LabelFollowerTest, AnErrorOfItsThreadReachesTheCallerInsteadOfAHang) {
+TEST(LabelFollowerTest, PassesTheLabelsOfViewsOn) {
+  LabelFollower follower({}, {}, true);
+  const std::vector<KeypointLabel> labels(std::size_t{kBoardColumns} * kBoardRows, KeypointLabel::kStatic);
+  LabelFollower::TrackedFrame frame = Frame(0);
+  frame.views = std::make_shared<const std::vector<SeenView>>(1, MakeView(FrameId{0}, frame.data, {}, labels));
+  follower.Offer(frame);
+  EXPECT_TRUE(follower.Newest()->labels[SampleAt(30, 30)].IsKnown());
+}
+
+TEST(LabelFollowerTest, NeverWaitsAndEndsWithFramesUnderWay) {
+  LabelFollower follower({}, {}, false);
+  for (std::uint32_t frame = 0; frame < 300; ++frame) {
+    follower.Offer(Frame(frame));
+  }
+}
+
+TEST(LabelFollowerTest, AnErrorOfItsThreadReachesTheCaller) {
   for (const bool lockstep : {true, false}) {
-    MovingProbabilities table;
-    LabelFollower follower({}, {}, {}, table, lockstep);
-    PinholeCamera camera;
-    camera.width = 640;
-    camera.height = 480;
-    DepthGrid without_samples{80, 60, {}};
-    follower.Begin(std::make_shared<const FrameData>(camera, std::vector<Keypoint>(1), std::vector<Descriptor>(1),
-                                                     std::move(without_samples)),
-                   nullptr, Rigid3{});
-    EXPECT_THROW((void)follower.Get(), InvariantError);
+    LabelFollower follower({}, {}, lockstep);
+    const DepthGrid without_samples{80, 60, {}};
+    const auto broken = std::make_shared<const FrameData>(TestCamera(), std::vector<Keypoint>{},
+                                                          std::vector<Descriptor>{}, without_samples);
+    const auto offer_until_it_throws = [&] {
+      for (std::uint32_t frame = 0; frame < 5000; ++frame) {
+        follower.Offer({FrameId{frame}, broken, {}, nullptr});
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      }
+    };
+    EXPECT_THROW(offer_until_it_throws(), InvariantError);
   }
 }
 

@@ -51,18 +51,16 @@ void BindTracking(TrackerOptions& options, OptionTable& table) {
             "gated: static matches that give a pose of their own; below, all unknown points are used");
 }
 
-void BindTracks(FeatureTrackOptions& options, OptionTable& table) {
-  table.Flag("tracks.enabled", options.enabled, "follow keypoints through the images and let labels follow them");
-  table.Real("tracks.window_px", options.window_px, 1, 200, "search window of a track, pixels");
-  table.Int("tracks.spacing_px", options.spacing_px, 1, 1000,
-            "a new track starts where none is in a square of this size, pixels");
-  table.Int("tracks.frame_cost_px", options.frame_cost_px, 0, SurfaceLabels::kMostReach,
-            "a label handed on to the next frame is as if so much farther away, pixels");
-  table.Int("tracks.dynamic_reach_px", options.surface.dynamic_reach_px, 1, SurfaceLabels::kMostReach - 1,
+void BindCarry(LabelCarryOptions& options, OptionTable& table) {
+  table.Flag("carry.enabled", options.enabled,
+             "carry labels from frame to frame over the surfaces that depth images show");
+  table.Int("carry.frame_cost_px", options.frame_cost_px, 0, SurfaceLabel::kNone,
+            "a label carried to the next frame is as if so much farther away, pixels");
+  table.Int("carry.dynamic_reach_px", options.surface.dynamic_reach_px, 1, SurfaceLabel::kNone - 1,
             "how far a label of what moves spreads over a surface, pixels");
-  table.Int("tracks.static_reach_px", options.surface.static_reach_px, 1, SurfaceLabels::kMostReach - 1,
+  table.Int("carry.static_reach_px", options.surface.static_reach_px, 1, SurfaceLabel::kNone - 1,
             "how far a label of what does not move spreads over a surface, pixels");
-  table.Real("tracks.step_depth", options.surface.step_depth, 0, 1,
+  table.Real("carry.step_depth", options.surface.step_depth, 0, 1,
              "neighbouring samples on a surface differ in depth by at most this share");
 }
 
@@ -130,15 +128,12 @@ void BindSemantic(SemanticOptions& options, OptionTable& table) {
   table.Real("semantic.complete_step_depth", options.complete_step_depth, 0, 1,
              "unsure pixels join dynamic ones over steps in depth of at most this share; 0 = never");
   table.Flag("semantic.free_space", options.free_space.enabled,
-             "labels are dynamic also where earlier keyframes looked through what a keyframe sees");
-  table.Int("semantic.free_space_views", options.free_space.views, 1, 100, "earlier keyframes asked for that");
-  table.Int("semantic.free_space_frames", options.free_space.most_frames, 1, 10000, "how much earlier they may be");
+             "labels come through space, too: dynamic where earlier keyframes looked through what is there now, static "
+             "where they saw the same static surface");
   table.Real("semantic.free_space_margin", options.free_space.margin_depth, 0.01, 1,
              "share of the depth that they must have looked farther");
   table.Real("semantic.free_space_match", options.free_space.match_depth, 0.001, 1,
-             "share of the depth up to which a static surface is seen again");
-  table.Real("semantic.free_space_most_share", options.free_space.most_share, 0, 1,
-             "share of the view above which the pose is to blame");
+             "share of the depth up to which a surface is the same one");
   table.Real("semantic.max_mask_share", options.max_mask_share, 0.01, 1, "share of the image that a mask may cover");
   table.Real("semantic.finish_timeout_s", options.finish_timeout_s, 0, 3600,
              "time for missing labels at the end, seconds");
@@ -210,7 +205,7 @@ OptionTable BindOptions(Options& options) {
   BindOrb(options.orb, table);
   BindPose(options.pose, table);
   BindTracking(options.tracking, table);
-  BindTracks(options.tracks, table);
+  BindCarry(options.carry, table);
   BindPolicy(options.tracking.policy, table);
   BindMapping(options.mapping, options.local_map, table);
   BindSemantic(options.semantic, table);

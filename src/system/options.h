@@ -12,11 +12,11 @@
 #include "optim/pose_optimizer.h"
 #include "semantic/backlog.h"
 #include "semantic/free_space.h"
+#include "semantic/label_field.h"
 #include "semantic/moving_probability.h"
 #include "semantic/segmenter_factory.h"
 #include "semantic/semantic_optimizer.h"
 #include "system/option_table.h"
-#include "tracking/feature_tracks.h"
 #include "tracking/tracker.h"
 
 namespace rds {
@@ -50,7 +50,7 @@ struct Options {
   OrbOptions orb;
   PoseOptimizerOptions pose;
   TrackerOptions tracking;
-  FeatureTrackOptions tracks;
+  LabelCarryOptions carry;
   LocalMapOptions local_map;
   MappingOptions mapping;
   SemanticOptions semantic;

@@ -35,14 +35,16 @@ void Pipeline::PublishAround(KeyframeId keyframe) {
 }
 
 void Pipeline::MapKeyframe(const KeyframeCandidate& candidate, const std::function<bool()>& hurry) {
+  std::vector<KeypointLabel> early;
   const KeyframeId id = world_.Write([&](World& world) {
-    const KeyframeId inserted = mapper_.Insert(world.map, candidate);
-    if (const auto early = world.early_labels.extract(candidate.frame)) {
-      ApplyLabels(world.map, inserted, AddMovedIn(world.map, inserted, std::move(early.mapped())), probabilities_,
-                  options_.semantic.probability);
+    if (auto found = world.early_labels.extract(candidate.frame)) {
+      early = std::move(found.mapped());
     }
-    return inserted;
+    return mapper_.Insert(world.map, candidate);
   });
+  if (!early.empty()) {
+    ApplyToMap(candidate.frame, std::move(early));
+  }
   PublishAround(id);
   world_.Write([&](World& world) { mapper_.Refine(world.map, id); });
   if (!hurry()) {
@@ -132,16 +134,40 @@ void Pipeline::ApplyRound(const LabelledRound& round) {
   });
 }
 
-std::vector<KeypointLabel> Pipeline::AddMovedIn(const Map& map, KeyframeId keyframe,
-                                                std::vector<KeypointLabel> labels) const {
-  if (options_.semantic.free_space.enabled) {
-    const Keyframe& made = map.At(keyframe);
-    LabelMovedIn(*made.data,
-                 JudgeBySpace(*made.data, made.camera_from_world,
-                              EarlierViews(map, keyframe, options_.semantic.free_space), options_.semantic.free_space),
-                 labels);
+void Pipeline::AddMovedIn(FrameId frame, std::vector<KeypointLabel>& labels) const {
+  struct Question {
+    std::shared_ptr<const FrameData> data;
+    Rigid3 camera_from_world;
+    std::vector<SeenView> views;
+  };
+  if (!options_.semantic.free_space.enabled) {
+    return;
   }
-  return labels;
+  const auto question = world_.Read([&](const World& world) -> std::optional<Question> {
+    const Keyframe* const keyframe = FindByFrame(world.map, frame);
+    if (keyframe == nullptr) {
+      return std::nullopt;
+    }
+    return Question{keyframe->data, keyframe->camera_from_world, EarlierViews(world.map, keyframe->id)};
+  });
+  if (question) {
+    LabelMovedIn(
+        *question->data,
+        JudgeBySpace(*question->data, question->camera_from_world, question->views, options_.semantic.free_space),
+        labels);
+  }
+}
+
+void Pipeline::ApplyToMap(FrameId frame, std::vector<KeypointLabel> labels) {
+  AddMovedIn(frame, labels);
+  world_.Write([&](World& world) {
+    const Keyframe* const keyframe = FindByFrame(world.map, frame);
+    if (keyframe != nullptr) {
+      ApplyLabels(world.map, keyframe->id, std::move(labels), probabilities_, options_.semantic.probability);
+    } else if (world.map.keyframes().empty() || world.map.At(world.map.newest()).frame < frame) {
+      world.early_labels[frame] = std::move(labels);  // mapping has not come to it yet
+    }
+  });
 }
 
 void Pipeline::ShowLabelled(const LabelledRound& round) {
@@ -152,8 +178,8 @@ void Pipeline::ShowLabelled(const LabelledRound& round) {
     }
   }
   std::ranges::sort(labelled_, std::ranges::greater(), &SeenView::frame);
-  if (std::ssize(labelled_) > options_.semantic.free_space.views) {
-    labelled_.resize(static_cast<std::size_t>(options_.semantic.free_space.views));
+  if (labelled_.size() > kFreeSpaceViews) {
+    labelled_.resize(kFreeSpaceViews);
   }
   auto views = std::make_shared<std::vector<SeenView>>(labelled_);
   world_.Read([&](const World& world) {  // the poses as they are now; a keyframe may be gone or not be there yet
@@ -170,23 +196,7 @@ void Pipeline::ShowLabelled(const LabelledRound& round) {
 
 LabelEvent Pipeline::ApplyMask(const BacklogItem& item, const Image8& mask) {
   const Stopwatch watch;
-  std::vector<KeypointLabel> labels = LabelKeypoints(*item.data, mask);
-  world_.Write([&](World& world) {
-    const Keyframe* const keyframe = FindByFrame(world.map, item.frame);
-    if (keyframe != nullptr) {
-      labels = AddMovedIn(world.map, keyframe->id, std::move(labels));
-    }
-    for (std::size_t k = 0; k < item.tracks.size(); ++k) {
-      if (item.tracks[k].valid() && labels[k] != KeypointLabel::kNone) {
-        track_labels_.Observe(item.tracks[k], labels[k] == KeypointLabel::kDynamic, options_.semantic.probability);
-      }
-    }
-    if (keyframe != nullptr) {
-      ApplyLabels(world.map, keyframe->id, std::move(labels), probabilities_, options_.semantic.probability);
-    } else if (world.map.keyframes().empty() || world.map.At(world.map.newest()).frame < item.frame) {
-      world.early_labels[item.frame] = std::move(labels);  // mapping has not come to it yet
-    }
-  });
+  ApplyToMap(item.frame, LabelKeypoints(*item.data, mask));
   LabelEvent event;
   event.labelled_frame = item.frame;
   event.current_frame = FrameId{current_frame_.load(std::memory_order_relaxed)};

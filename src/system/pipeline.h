@@ -56,7 +56,6 @@ class Pipeline {
 
   [[nodiscard]] std::shared_ptr<const LocalMap> CurrentLocalMap() const { return local_map_.Get(); }
   [[nodiscard]] const MovingProbabilities& probabilities() const { return probabilities_; }
-  [[nodiscard]] MovingProbabilities& track_labels() { return track_labels_; }
   // The newest labelled keyframes with their poses, newest first; null before the first label.
   [[nodiscard]] std::shared_ptr<const std::vector<SeenView>> LabelledViews() const { return views_.Get(); }
   [[nodiscard]] MapView ViewMap() const;
@@ -79,9 +78,11 @@ class Pipeline {
 
   void AdjustLocally(KeyframeId keyframe, const std::function<bool()>& hurry);
   void PublishAround(KeyframeId keyframe);
-  // The labels of a keyframe, with what has moved in since earlier ones.
-  [[nodiscard]] std::vector<KeypointLabel> AddMovedIn(const Map& map, KeyframeId keyframe,
-                                                      std::vector<KeypointLabel> labels) const;
+  // Makes labels dynamic where something has moved in since earlier keyframes; leaves them if the frame is not in the
+  // map (yet).
+  void AddMovedIn(FrameId frame, std::vector<KeypointLabel>& labels) const;
+  // Labels of keypoints for the keyframe made from a frame; kept if it is not in the map yet, dropped if no more.
+  void ApplyToMap(FrameId frame, std::vector<KeypointLabel> labels);
   // Publishes the newest labelled views.
   void ShowLabelled(const LabelledRound& round);
   // One label's way into the map.
@@ -93,7 +94,6 @@ class Pipeline {
   ScalePyramid pyramid_;
   std::shared_ptr<Segmenter> segmenter_;
   MovingProbabilities probabilities_;  // by map point
-  MovingProbabilities track_labels_;   // by image-space track
   LocalMapper mapper_;
   Guarded<World> world_;
   Guarded<Figures> figures_;

@@ -23,7 +23,8 @@
 namespace rds {
 namespace {
 
-constexpr int kWeakStart = 60;  // matches below which the first keyframe does not do any more
+constexpr std::uint32_t kLeaveCoreEvery = 10;  // frames; the caller may have moved to another core since
+constexpr int kWeakStart = 60;                 // matches below which the first keyframe does not do any more
 
 // Keyframes that wait for labels, as the semantic thread sees them.
 struct Waiting {
@@ -119,6 +120,8 @@ class Slam::Impl {
 
   [[nodiscard]] WorkerStatus Status() const;
   [[nodiscard]] std::unique_ptr<Tracker> MakeTracker() const;
+  void StartFollowing();
+  void Follow(FrameId frame, std::shared_ptr<const FrameData> data, const TrackOutcome& outcome);
   void TrackStartAgain();
   void KeepStart(const FrameResult& result, std::shared_ptr<const FrameData> data);
   void AddEntry(double timestamp_s, const TrackOutcome& outcome);
@@ -135,7 +138,6 @@ class Slam::Impl {
   std::vector<TrajectoryEntry> entries_;
   std::vector<StartFrame> start_;  // frames before the first label, to be tracked again with it
   bool starting_ = false;
-  std::vector<std::uint8_t> moving_;  // where something moved in the last frame, for the extractor
   std::uint32_t next_frame_ = 0;
   std::uint32_t processed_ = 0;
   std::optional<double> last_timestamp_s_;
@@ -156,10 +158,7 @@ Slam::Impl::Impl(const PinholeCamera& camera, const Options& options, std::share
   ValidateOptions(options);
   starting_ = shared_->pipeline.HasSegmenter() && options.tracking.association.use_semantics &&
               options.semantic.start_frames > 0;
-  if (shared_->pipeline.HasSegmenter() && options.tracking.association.use_semantics && options.tracks.enabled) {
-    follower_.emplace(options.tracks, options.semantic.probability, options.semantic.free_space,
-                      shared_->pipeline.track_labels(), options.system.lockstep);
-  }
+  StartFollowing();
   if (!options_.system.lockstep) {
     mapping_ = std::make_unique<Worker>([shared = shared_] { RunMapping(*shared); });
     if (shared_->pipeline.HasSegmenter()) {
@@ -173,7 +172,20 @@ std::unique_ptr<Tracker> Slam::Impl::MakeTracker() const {
   TrackerOptions tracking = options_.tracking;
   tracking.association.probability = options_.semantic.probability;
   tracking.association.use_semantics &= shared_->pipeline.HasSegmenter();
+  tracking.surface = options_.carry.surface;
   return std::make_unique<Tracker>(tracking, options_.pose, extractor_.pyramid(), shared_->pipeline.probabilities());
+}
+
+void Slam::Impl::StartFollowing() {
+  if (shared_->pipeline.HasSegmenter() && options_.tracking.association.use_semantics && options_.carry.enabled) {
+    follower_.emplace(options_.carry, options_.semantic.free_space, options_.system.lockstep);
+  }
+}
+
+void Slam::Impl::Follow(FrameId frame, std::shared_ptr<const FrameData> data, const TrackOutcome& outcome) {
+  if (follower_ && outcome.tracked) {
+    follower_->Offer({frame, std::move(data), outcome.camera_from_world, shared_->pipeline.LabelledViews()});
+  }
 }
 
 // Before the first label nobody can tell what moves, and poses may follow people who fill the picture. So until then
@@ -183,10 +195,12 @@ void Slam::Impl::TrackStartAgain() {
   entries_.clear();
   lost_ = 0;
   tracked_before_ = false;
+  StartFollowing();
   std::shared_ptr<const LocalMap> map;  // none for the first frame: it is the first keyframe
   for (StartFrame& frame : start_) {
-    AddEntry(frame.timestamp_s,
-             tracker->Track(frame.frame, frame.timestamp_s, std::move(frame.data), map, Status(), nullptr));
+    const TrackOutcome outcome = tracker->Track(frame.frame, frame.timestamp_s, frame.data, map, Status(), nullptr);
+    AddEntry(frame.timestamp_s, outcome);
+    Follow(frame.frame, std::move(frame.data), outcome);
     map = shared_->pipeline.CurrentLocalMap();
   }
   tracker_ = std::move(tracker);
@@ -238,6 +252,12 @@ FrameResult Slam::Impl::Process(const RgbdFrame& frame) {
   processed_ = next_frame_;
   result.timestamp_s = frame.timestamp_s;
   shared_->pipeline.SetCurrentFrame(result.frame);
+  if (mapping_ && processed_ % kLeaveCoreEvery == 1) {
+    mapping_->LeaveCallersCore();
+    if (follower_) {
+      follower_->LeaveCallersCore();
+    }
+  }
   if (options_.system.lockstep) {
     StepSemantics(result.frame);
   }
@@ -245,19 +265,12 @@ FrameResult Slam::Impl::Process(const RgbdFrame& frame) {
     starting_ = false;
     TrackStartAgain();
   }
-  auto data = std::make_shared<const FrameData>(extractor_.Extract(camera_, *frame.image, *frame.depth, moving_));
+  const std::shared_ptr<const LabelField> labels = follower_ ? follower_->Newest() : nullptr;
+  auto data = std::make_shared<const FrameData>(extractor_.Extract(
+      camera_, *frame.image, *frame.depth, labels ? std::span(labels->moving) : std::span<const std::uint8_t>()));
   result.timing.extraction_ms = watch.Milliseconds();
-  Tracker::LabelSource labels;
-  if (follower_) {
-    follower_->Begin(data, shared_->pipeline.LabelledViews(), tracker_->ExpectedPose());
-    labels = [this] {
-      KeypointLabels found = follower_->Get();
-      moving_ = std::move(found.moving);
-      return found;
-    };
-  }
-  const TrackOutcome outcome =
-      tracker_->Track(result.frame, frame.timestamp_s, data, shared_->pipeline.CurrentLocalMap(), Status(), labels);
+  const TrackOutcome outcome = tracker_->Track(result.frame, frame.timestamp_s, data,
+                                               shared_->pipeline.CurrentLocalMap(), Status(), labels.get());
   AddEntry(frame.timestamp_s, outcome);
   const bool hold = starting_ && !start_.empty();
   result.is_keyframe = outcome.wants_keyframe && !hold && OfferKeyframe(frame);
@@ -265,6 +278,7 @@ FrameResult Slam::Impl::Process(const RgbdFrame& frame) {
                  : tracked_before_ ? TrackingState::kLost
                                    : TrackingState::kNotInitialized;
   FillFrameResult(outcome, *data, shared_->pipeline, options_.system.keep_features, &result);
+  Follow(result.frame, data, outcome);
   if (starting_) {
     KeepStart(result, std::move(data));
   }
@@ -275,7 +289,7 @@ FrameResult Slam::Impl::Process(const RgbdFrame& frame) {
 
 bool Slam::Impl::OfferKeyframe(const RgbdFrame& frame) {
   KeyframeCandidate candidate = tracker_->MakeCandidate();
-  BacklogItem item{candidate.frame, frame.timestamp_s, frame.image, candidate.data, candidate.tracks, false};
+  BacklogItem item{candidate.frame, frame.timestamp_s, frame.image, candidate.data, false};
   const bool first = !candidate.reference.valid();
   if (options_.system.lockstep || first) {
     // The first keyframe is the map: the second frame must find it there, so this one thread makes it.

@@ -15,8 +15,7 @@ Tracker::Tracker(const TrackerOptions& options, const PoseOptimizerOptions& pose
     : options_(options), pose_options_(pose), pyramid_(pyramid), probabilities_(probabilities) {}
 
 TrackOutcome Tracker::Track(FrameId frame, double timestamp_s, std::shared_ptr<const FrameData> data,
-                            std::shared_ptr<const LocalMap> map, const WorkerStatus& status,
-                            const LabelSource& labels) {
+                            std::shared_ptr<const LocalMap> map, const WorkerStatus& status, const LabelField* labels) {
   const bool map_changed = map != map_;
   map_ = std::move(map);
   if (started_) {
@@ -29,28 +28,23 @@ TrackOutcome Tracker::Track(FrameId frame, double timestamp_s, std::shared_ptr<c
   current_.points.assign(current_.data->size(), PointId{});
   association_ = {};
   outliers_.clear();
-  labels_ = {};
-  label_source_ = labels;
+  keypoint_probabilities_ = labels != nullptr && last_.tracked ? LookUp(*labels) : std::vector<double>{};
   TrackOutcome outcome;
   if (map_ == nullptr) {
     outcome = Start(std::move(outcome));
   } else {
     TrackInMap(status, map_changed, &outcome);
   }
-  FetchLabels();
   return outcome;
 }
 
-void Tracker::FetchLabels() {
-  if (label_source_) {
-    labels_ = label_source_();
-    label_source_ = nullptr;
-  }
+std::vector<double> Tracker::LookUp(const LabelField& labels) const {
+  const Rigid3 expected = velocity_.value_or(Rigid3{}) * last_.camera_from_world;
+  return KeypointProbabilities(labels, *current_.data, expected * labels.camera_from_world.Inverse(), options_.surface);
 }
 
-Association Tracker::Select(std::span<const PointMatch> matches) {
-  FetchLabels();
-  return SelectMatches(matches, *map_, probabilities_, labels_.probabilities, options_.association);
+Association Tracker::Select(std::span<const PointMatch> matches) const {
+  return SelectMatches(matches, *map_, probabilities_, keypoint_probabilities_, options_.association);
 }
 
 void Tracker::TrackInMap(const WorkerStatus& status, bool map_changed, TrackOutcome* outcome) {
@@ -380,8 +374,7 @@ KeyframeCandidate Tracker::MakeCandidate() {
   for (const PointMatch& match : association_.dynamic) {
     candidate.blocked.push_back(match.keypoint);
   }
-  candidate.tracks = std::move(labels_.tracks);
-  candidate.probabilities = std::move(labels_.probabilities);
+  candidate.probabilities = std::move(keypoint_probabilities_);
   for (const PointId id : used_ids_) {
     candidate.uses.push_back(uses_[id.index()]);
   }

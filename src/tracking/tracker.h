@@ -1,7 +1,6 @@
 // Tracking: the pose of each frame against an immutable snapshot of the map.
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -10,9 +9,9 @@
 #include "map/keyframe_candidate.h"
 #include "map/local_map.h"
 #include "optim/pose_optimizer.h"
+#include "semantic/label_field.h"
 #include "semantic/moving_probability.h"
 #include "tracking/data_association.h"
-#include "tracking/feature_tracks.h"
 #include "tracking/keyframe_policy.h"
 #include "tracking/projection_search.h"
 
@@ -33,6 +32,7 @@ struct TrackerOptions {
   int regain_keyframes = 10;    // nearest keyframes that are tried
   double close_baselines = 40;  // depth below so many baselines is close
   AssociationOptions association;
+  SurfaceLabelOptions surface;  // of the labels that Track is given
   KeyframePolicyOptions policy;
 };
 
@@ -60,21 +60,14 @@ struct TrackOutcome {
 // and the wait-free table of probabilities, changes only itself. One instance, one caller.
 class Tracker {
  public:
-  // The labels of a frame's keypoints; called when they are needed first, at most once a frame.
-  using LabelSource = std::function<KeypointLabels()>;
-
   // The table must outlive the tracker.
   Tracker(const TrackerOptions& options, const PoseOptimizerOptions& pose, const ScalePyramid& pyramid,
           const MovingProbabilities& probabilities);
 
-  // Tracks one frame. `map` is null before the first keyframe is in the map; `labels` may be null.
+  // Tracks one frame. `map` is null before the first keyframe is in the map; `labels` are of an earlier frame, the
+  // newest there is, or null.
   TrackOutcome Track(FrameId frame, double timestamp_s, std::shared_ptr<const FrameData> data,
-                     std::shared_ptr<const LocalMap> map, const WorkerStatus& status, const LabelSource& labels);
-
-  // Where the next frame is expected, camera from world, by a steady motion; nothing if the last one was not tracked.
-  [[nodiscard]] std::optional<Rigid3> ExpectedPose() const {
-    return current_.tracked ? std::optional(velocity_.value_or(Rigid3{}) * current_.camera_from_world) : std::nullopt;
-  }
+                     std::shared_ptr<const LocalMap> map, const WorkerStatus& status, const LabelField* labels);
 
   // The frame just tracked as a keyframe; to be called at most once, after Track said wants_keyframe.
   [[nodiscard]] KeyframeCandidate MakeCandidate();
@@ -95,8 +88,9 @@ class Tracker {
 
   TrackOutcome Start(TrackOutcome outcome);
   void TrackInMap(const WorkerStatus& status, bool map_changed, TrackOutcome* outcome);
-  [[nodiscard]] Association Select(std::span<const PointMatch> matches);
-  void FetchLabels();
+  [[nodiscard]] Association Select(std::span<const PointMatch> matches) const;
+  // What the labels say of the keypoints of the current frame, where a steady motion would have brought the camera.
+  [[nodiscard]] std::vector<double> LookUp(const LabelField& labels) const;
   void Rebase();
   bool TrackLastFrame(TrackOutcome* outcome);
   bool TrackReferenceKeyframe(TrackOutcome* outcome);
@@ -120,8 +114,7 @@ class Tracker {
   PoseOptimizerOptions pose_options_;
   ScalePyramid pyramid_;
   const MovingProbabilities& probabilities_;
-  LabelSource label_source_;  // null once used
-  KeypointLabels labels_;     // of the current frame
+  std::vector<double> keypoint_probabilities_;  // of the current frame; empty without labels
 
   std::shared_ptr<const LocalMap> map_;
   Frame last_;

@@ -1,0 +1,165 @@
+#include "semantic/label_field.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "semantic/grid_warp.h"
+#include "semantic/moving_probability.h"
+
+namespace rds {
+namespace {
+
+// Moving probability of what is dynamic for sure and of what a label just about reaches; static ones mirror them.
+constexpr double kNear = 0.88;
+constexpr double kFar = 0.62;
+constexpr float kSameDepth = 0.03F;      // share of the depth up to which a place lies on a surface
+constexpr float kTimeStepDepth = 0.06F;  // share by which the depth of what moves may change from frame to frame
+
+// The sample of a grid, at a place or next to it, whose depth is nearest to the place's.
+std::optional<std::size_t> FindSurface(const DepthGrid& grid, const GridPlace& place) {
+  if (!(place.depth_m > 0 && place.column >= 1 && place.row >= 1 &&
+        place.column < static_cast<float>(grid.columns - 1) && place.row < static_cast<float>(grid.rows - 1))) {
+    return std::nullopt;
+  }
+  const int cell = static_cast<int>(place.row) * grid.columns + static_cast<int>(place.column);
+  const std::array<int, 9> steps = {
+      0, -1, 1, -grid.columns, grid.columns, -grid.columns - 1, -grid.columns + 1, grid.columns - 1, grid.columns + 1};
+  float least_m = place.depth_m * kTimeStepDepth;
+  std::optional<std::size_t> found;
+  if (std::abs(grid.depth_m[static_cast<std::size_t>(cell)] - place.depth_m) < kSameDepth * place.depth_m) {
+    return static_cast<std::size_t>(cell);
+  }
+  for (const int step : steps) {
+    const auto candidate = static_cast<std::size_t>(cell + step);
+    const float difference_m = std::abs(grid.depth_m[candidate] - place.depth_m);
+    if (difference_m < least_m) {
+      least_m = difference_m;
+      found = candidate;
+    }
+  }
+  return found;
+}
+
+std::vector<std::uint8_t> MarkMoving(const DepthGrid& grid, std::span<const SurfaceLabel> labels) {
+  std::vector<std::uint8_t> moving;
+  for (int row = 0; row < grid.rows; ++row) {
+    for (int column = 0; column < grid.columns; ++column) {
+      if (!labels[static_cast<std::size_t>(row * grid.columns + column)].dynamic) {
+        continue;
+      }
+      moving.resize(labels.size());
+      for (int y = std::max(row - 1, 0); y <= std::min(row + 1, grid.rows - 1); ++y) {
+        for (int x = std::max(column - 1, 0); x <= std::min(column + 1, grid.columns - 1); ++x) {
+          moving[static_cast<std::size_t>(y * grid.columns + x)] = 1;
+        }
+      }
+    }
+  }
+  return moving;
+}
+
+}  // namespace
+
+std::vector<double> KeypointProbabilities(const LabelField& field, const FrameData& later,
+                                          const Rigid3& later_from_field, const SurfaceLabelOptions& options) {
+  std::vector<double> result(later.size(), kUnknownProbability);
+  const GridWarp warp(field.camera, later_from_field.Inverse());
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    const Keypoint& keypoint = later.keypoints()[i];
+    if (!keypoint.HasDepth()) {
+      continue;
+    }
+    const auto sample = FindSurface(
+        field.grid, warp({keypoint.raw_x / kDepthGridStep, keypoint.raw_y / kDepthGridStep, keypoint.depth_m}));
+    if (!sample || !field.labels[*sample].IsKnown()) {
+      continue;
+    }
+    const SurfaceLabel& label = field.labels[*sample];
+    const double p = kNear + (kFar - kNear) * label.distance_px / options.Reach(label.dynamic);
+    result[i] = label.dynamic ? p : 1 - p;
+  }
+  return result;
+}
+
+std::vector<std::int32_t> LabelCarrier::FindSources(const PinholeCamera& camera, const Moment& from, const Moment& to) {
+  std::vector<std::int32_t> sources(to.grid.depth_m.size(), kNoSource);
+  const GridWarp warp(camera, from.camera_from_world * to.camera_from_world.Inverse());
+  std::size_t i = 0;
+  for (int row = 0; row < to.grid.rows; ++row) {
+    for (int column = 0; column < to.grid.columns; ++column, ++i) {
+      if (to.grid.depth_m[i] > 0) {
+        const auto sample = FindSurface(
+            from.grid, warp({static_cast<float>(column) + 0.5F, static_cast<float>(row) + 0.5F, to.grid.depth_m[i]}));
+        sources[i] = sample ? static_cast<std::int32_t>(*sample) : kNoSource;
+      }
+    }
+  }
+  return sources;
+}
+
+template <typename Value>
+std::vector<Value> LabelCarrier::Carry(std::span<const std::int32_t> sources, std::span<const Value> values) {
+  std::vector<Value> carried(sources.size());
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    if (sources[i] != kNoSource) {
+      carried[i] = values[static_cast<std::size_t>(sources[i])];
+    }
+  }
+  return carried;
+}
+
+std::vector<KeypointLabel> LabelCarrier::CarryFrom(const SeenView& view) const {
+  const auto start = std::ranges::lower_bound(history_, view.frame, {}, &Moment::frame);
+  if (start == history_.end() || start->frame != view.frame || view.labels.size() != start->grid.depth_m.size()) {
+    return {};
+  }
+  std::vector<KeypointLabel> labels = view.labels;
+  for (auto moment = std::next(start); moment != history_.end(); ++moment) {
+    labels = Carry<KeypointLabel>(moment->sources, labels);
+  }
+  return labels;
+}
+
+std::shared_ptr<const LabelField> LabelCarrier::Next(FrameId frame, const FrameData& data,
+                                                     const Rigid3& camera_from_world, std::span<const SeenView> views) {
+  history_.push_back({frame, camera_from_world, data.depth_grid(), {}});
+  Moment& now = history_.back();
+  surface_.Start(now.grid);
+  if (space_.enabled) {
+    surface_.Add(JudgeBySpace(data, camera_from_world, views, space_));
+  }
+  if (history_.size() > 1) {
+    const Moment& before = history_[history_.size() - 2];
+    now.sources = FindSources(data.camera(), before, now);
+    surface_.Add(Carry<SurfaceLabel>(now.sources, labels_), CostSince(before.frame, frame));
+  }
+  for (const SeenView& view : views) {
+    if (std::ranges::find(carried_, view.frame) == carried_.end()) {
+      surface_.Add(CarryFrom(view), CostSince(view.frame, frame));
+    }
+  }
+  carried_.clear();
+  std::ranges::transform(views, std::back_inserter(carried_), &SeenView::frame);
+  surface_.Spread();
+  labels_ = surface_.Labels();
+  auto field = std::make_shared<LabelField>();
+  field->frame = frame;
+  field->camera = data.camera();
+  field->camera_from_world = camera_from_world;
+  field->grid = now.grid;
+  field->labels = labels_;
+  field->moving = MarkMoving(now.grid, labels_);
+  if (history_.size() > kLongestHistory) {
+    history_.pop_front();
+  }
+  return field;
+}
+
+int LabelCarrier::CostSince(FrameId then, FrameId now) const {
+  const auto frames = static_cast<int>(now.value - then.value);
+  return std::min(frames, SurfaceLabel::kNone) * options_.frame_cost_px;
+}
+
+}  // namespace rds

@@ -1,0 +1,82 @@
+// What is known of the surfaces that a frame sees, and how it is carried to the next frame.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "base/ids.h"
+#include "feature/frame_data.h"
+#include "semantic/free_space.h"
+#include "semantic/surface_labels.h"
+
+namespace rds {
+
+struct LabelCarryOptions {
+  bool enabled = true;
+  int frame_cost_px = 4;  // a label is as if so much farther away with each frame that it is carried
+  SurfaceLabelOptions surface;
+};
+
+// Labels of the surfaces of one frame. Immutable once made.
+struct LabelField {
+  FrameId frame;
+  PinholeCamera camera;
+  Rigid3 camera_from_world;
+  DepthGrid grid;
+  std::vector<SurfaceLabel> labels;  // of each sample of the grid
+  // 1 for each sample of the grid that is dynamic or next to one that is; empty if nothing is.
+  std::vector<std::uint8_t> moving;
+};
+
+// Moving probability of each keypoint of a later frame of the same camera, by the labels of the surface that it lies
+// on; 1/2 where there is none. Surfaces are found again by their depth near the place where they would be if they kept
+// still, so that those of walking people are found, too. `later_from_field` is the motion of the camera. Re-entrant.
+[[nodiscard]] std::vector<double> KeypointProbabilities(const LabelField& field, const FrameData& later,
+                                                        const Rigid3& later_from_field,
+                                                        const SurfaceLabelOptions& options);
+
+// Carries labels from frame to frame over the surfaces that depth images show, whatever moves, from the masks of
+// labelled keyframes to the frame of the moment: late ones over all frames since. What free space says is added to it.
+// Not thread-safe.
+class LabelCarrier {
+ public:
+  LabelCarrier(const LabelCarryOptions& options, const FreeSpaceOptions& space)
+      : options_(options), space_(space), surface_(options.surface) {}
+
+  // The field of the next frame. `views` are the newest labelled keyframes; each is carried here once.
+  [[nodiscard]] std::shared_ptr<const LabelField> Next(FrameId frame, const FrameData& data,
+                                                       const Rigid3& camera_from_world,
+                                                       std::span<const SeenView> views);
+
+ private:
+  static constexpr std::size_t kLongestHistory = 64;  // frames over which a late label is carried at most
+  static constexpr std::int32_t kNoSource = -1;
+
+  struct Moment {
+    FrameId frame;
+    Rigid3 camera_from_world;
+    DepthGrid grid;
+    std::vector<std::int32_t> sources;  // of each sample, the sample of the moment before that shows the same surface
+  };
+
+  [[nodiscard]] static std::vector<std::int32_t> FindSources(const PinholeCamera& camera, const Moment& from,
+                                                             const Moment& to);
+  template <typename Value>
+  [[nodiscard]] static std::vector<Value> Carry(std::span<const std::int32_t> sources, std::span<const Value> values);
+  // The labels of a keyframe where its surfaces are now, over all frames since; empty if it is too long ago.
+  [[nodiscard]] std::vector<KeypointLabel> CarryFrom(const SeenView& view) const;
+  [[nodiscard]] int CostSince(FrameId then, FrameId now) const;  // px
+
+  LabelCarryOptions options_;
+  FreeSpaceOptions space_;
+  SurfaceLabels surface_;
+  std::deque<Moment> history_;        // ascending by frame
+  std::vector<SurfaceLabel> labels_;  // of the last moment
+  std::vector<FrameId> carried_;      // keyframes whose labels are on their way
+};
+
+}  // namespace rds

@@ -1,0 +1,246 @@
+// Semantics end to end on a synthetic world: what labels are good for, when they come, and back ends that fail.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <future>
+#include <memory>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "base/random.h"
+#include "base/time.h"
+#include "testing/small_world.h"
+
+namespace rds {
+namespace {
+
+std::vector<Image8> Filled(std::span<const SegmentationInput> inputs, int width, int height, std::uint8_t value) {
+  return std::vector<Image8>(inputs.size(), Image8(width, height, 1, value));
+}
+
+TEST(Slam, LabelsEachKeyframeOnceAndLabelsSayWhatIsStatic) {
+  const auto& frames = Frames(SyntheticScenario::kWalking);
+  const SlamResult result = RunAll(frames, SmallOptions(true), TrueMasks(frames));
+  std::vector<std::uint32_t> labelled;
+  for (const LabelEvent& event : result.labels) {
+    labelled.push_back(event.labelled_frame.value);
+  }
+  std::ranges::sort(labelled);
+  EXPECT_TRUE(std::ranges::adjacent_find(labelled) == labelled.end());
+  EXPECT_EQ(labelled.front(), 0U);  // the very first keyframe too
+  EXPECT_EQ(result.keyframes_left_unlabelled, 0);
+  EXPECT_GT(result.static_points, result.unknown_points);
+  EXPECT_LT(AteRmse(result, frames), 0.05);
+}
+
+// People stand close to the camera from the start, then walk together: without semantics the map goes with them.
+TEST(Slam, SemanticsKeepThoseWhoWalkTogetherOutOfTheMap) {
+  SyntheticOptions synthetic = SmallWorld(SyntheticScenario::kWalking);
+  synthetic.frames = 120;
+  const std::vector<SyntheticFrame> frames = Rendered(synthetic);
+  Options options = SmallOptions(true);
+  options.semantic.lockstep_delay_frames = 6;  // 200 ms
+  const SlamResult without = RunAll(frames, options, nullptr);
+  const SlamResult with = RunAll(frames, options, TrueMasks(frames));
+  EXPECT_EQ(with.tracked_frames, synthetic.frames);
+  EXPECT_LT(AteRmse(with, frames), 0.02);
+  EXPECT_GT(AteRmse(without, frames), 5 * AteRmse(with, frames));
+}
+
+TEST(Slam, TheMapGrowsWithTheFirstLabelOrWhenItIsOverdue) {
+  const auto& frames = Frames(SyntheticScenario::kWalking);
+  const auto frames_alone = [&](int delay_frames, int start_frames) {
+    Options options = SmallOptions(true);
+    options.semantic.lockstep_delay_frames = delay_frames;
+    options.semantic.start_frames = start_frames;
+    options.tracking.policy.min_frames = 0;
+    Slam slam(MakeSyntheticCamera(320, 240), options, TrueMasks(frames));
+    int alone = 0;
+    for (const SyntheticFrame& frame : frames) {
+      alone += slam.Process(frame.rgbd).keyframes_in_map == 1 ? 1 : 0;
+    }
+    return alone;
+  };
+  EXPECT_NEAR(frames_alone(8, 30), 9, 2);    // the label of the first keyframe comes after 9 frames
+  EXPECT_NEAR(frames_alone(1000, 6), 6, 2);  // it does not come
+  EXPECT_LE(frames_alone(1000, 0), 3);       // nobody waits
+}
+
+// A camera that stands still before a sloping wall; past it goes a board with more features than are left of the wall.
+std::vector<SyntheticFrame> BoardPassing() {
+  const PinholeCamera camera = MakeSyntheticCamera(320, 240);
+  const auto noise = [&](std::uint64_t seed) {
+    Random random(seed);
+    Image8 image(camera.width, camera.height);
+    for (int y = 0; y < image.height; ++y) {
+      for (int x = 0; x < image.width; ++x) {
+        image.At(x, y) = y % 4 != 0   ? image.At(x, y - 1)
+                         : x % 4 != 0 ? image.At(x - 1, y)
+                                      : static_cast<std::uint8_t>(random.Index(256));
+      }
+    }
+    return image;
+  };
+  const Image8 wall = noise(1);
+  const Image8 board = noise(2);
+  std::vector<SyntheticFrame> frames;
+  for (int i = 0; i < kFrames; ++i) {
+    auto image = std::make_shared<Image8>(wall);
+    auto depth = std::make_shared<Image16>(camera.width, camera.height);
+    auto mask = std::make_shared<Image8>(camera.width, camera.height);
+    for (int y = 0; y < camera.height; ++y) {
+      for (int x = 0; x < camera.width; ++x) {
+        const int on_board = x - 2 * i;
+        const bool covered = on_board >= 10 && on_board < 220 && y >= 15 && y < 225;
+        depth->At(x, y) = static_cast<std::uint16_t>((covered ? 1.5 : 4.0 - y / 120.0) * camera.depth_scale);
+        mask->At(x, y) = covered ? 255 : 0;
+        if (covered) {
+          image->At(x, y) = board.At(on_board, y);
+        }
+      }
+    }
+    frames.push_back({{i / 30.0, std::move(image), std::move(depth)}, std::move(mask), {}});
+  }
+  return frames;
+}
+
+TEST(Slam, FramesBeforeTheFirstLabelAreTrackedAgainWithIt) {
+  const std::vector<SyntheticFrame> frames = BoardPassing();
+  const auto furthest_m = [&](int start_frames) {
+    Options options = SmallOptions(true);
+    options.semantic.lockstep_delay_frames = 15;
+    options.semantic.start_frames = start_frames;
+    const SlamResult result = RunAll(frames, options, TrueMasks(frames));
+    EXPECT_EQ(result.tracked_frames, kFrames);
+    double furthest = 0;
+    for (const StampedPose& pose : std::span(result.frames).first(15)) {
+      furthest = std::max(furthest, pose.world_from_camera.translation.norm());
+    }
+    return furthest;
+  };
+  EXPECT_LT(furthest_m(30), 0.03);
+  EXPECT_GT(furthest_m(0), 0.1);  // went along with the board
+}
+
+// Figures 6 and 7 of the paper: keyframes that come faster than their masks.
+TEST(Slam, SequentialLabelsFallFartherAndFartherBehindAndBidirectionalOnesDoNot) {
+  SyntheticOptions synthetic = SmallWorld(SyntheticScenario::kWalking);
+  synthetic.frames = 66;  // then the camera comes to rest, and keyframes with it
+  const std::vector<SyntheticFrame> frames = Rendered(synthetic);
+  const auto delays_in = [&](SelectionMode selection) {
+    Options options = SmallOptions(true);
+    options.semantic.selection = selection;
+    options.semantic.lockstep_delay_frames = 6;  // two masks in seven frames
+    options.tracking.policy.min_frames = 0;
+    options.tracking.policy.max_frames = 2;
+    options.tracking.policy.tracked_ratio = 1;
+    Slam slam(MakeSyntheticCamera(320, 240), options, TrueMasks(frames));
+    std::vector<int> delays;
+    for (const SyntheticFrame& frame : frames) {
+      delays.push_back(slam.Process(frame.rgbd).semantic_delay_frames.value_or(0));
+    }
+    const auto median = [&](std::size_t from) {
+      std::vector<int> third(delays.begin() + static_cast<std::ptrdiff_t>(from),
+                             delays.begin() + static_cast<std::ptrdiff_t>(from + frames.size() / 3));
+      std::ranges::nth_element(third, third.begin() + std::ssize(third) / 2);
+      return third[third.size() / 2];
+    };
+    return std::pair(median(frames.size() / 3), median(2 * frames.size() / 3));
+  };
+  const auto [sequential_then, sequential_later] = delays_in(SelectionMode::kSequential);
+  EXPECT_GT(sequential_later, sequential_then + 10);
+  EXPECT_GT(sequential_later, 25);
+  const auto [bidirectional_then, bidirectional_later] = delays_in(SelectionMode::kBidirectional);
+  EXPECT_LE(bidirectional_later, bidirectional_then + 2);
+  EXPECT_LE(bidirectional_later, 14);  // two rounds of seven frames
+}
+
+struct Failure {
+  const char* name;
+  std::optional<std::chrono::milliseconds> delay;
+  FaultySegmenter::Answer answer;
+  bool counted;  // as a failure of segmentation
+};
+
+class SlamWithFailingSegmenter : public testing::TestWithParam<Failure> {};
+
+TEST_P(SlamWithFailingSegmenter, GoesOnAndEndsInTime) {
+  const auto& frames = Frames(SyntheticScenario::kStatic);
+  const Stopwatch watch;
+  const SlamResult result =
+      RunAll(frames, SmallOptions(false),
+             std::make_unique<FaultySegmenter>(GetParam().name, GetParam().delay, GetParam().answer));
+  EXPECT_EQ(result.tracked_frames, kFrames);
+  EXPECT_LT(AteRmse(result, frames), 0.03);
+  // A slow answer may come in time where the run itself is slower still, under a sanitizer say.
+  const bool in_time = GetParam().delay && *GetParam().delay > std::chrono::milliseconds(0) &&
+                       watch.Seconds() > std::chrono::duration<double>(*GetParam().delay).count();
+  EXPECT_TRUE(result.labels.empty() || in_time);
+  EXPECT_EQ(result.segmentation_failures > 0, GetParam().counted);
+  EXPECT_LT(watch.Seconds(), 60);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Slam, SlamWithFailingSegmenter,
+    testing::Values(
+        Failure{"throws", std::chrono::milliseconds(0),
+                [](auto) -> std::vector<Image8> { throw std::runtime_error("out of order"); }, true},
+        Failure{"takes ten seconds", std::chrono::seconds(10), [](auto inputs) { return Filled(inputs, 320, 240, 0); },
+                false},
+        Failure{"never answers", std::nullopt, [](auto inputs) { return Filled(inputs, 320, 240, 0); }, false},
+        Failure{"wrong size", std::chrono::milliseconds(0), [](auto inputs) { return Filled(inputs, 31, 24, 0); },
+                true},
+        Failure{"all ones", std::chrono::milliseconds(0), [](auto inputs) { return Filled(inputs, 320, 240, 255); },
+                true},
+        Failure{"too few masks", std::chrono::milliseconds(0), [](auto) { return std::vector<Image8>{}; }, false}),
+    [](const auto& instance) {
+      std::string name = instance.param.name;
+      std::ranges::replace(name, ' ', '_');
+      return name;
+    });
+
+// A back end that hears nothing: neither that it is to give up nor anything else.
+class DeafSegmenter final : public Segmenter {
+ public:
+  DeafSegmenter(std::shared_future<void> wake_up, std::promise<void> gone)
+      : wake_up_(std::move(wake_up)), gone_(std::move(gone)) {}
+  ~DeafSegmenter() override { gone_.set_value(); }
+
+  [[nodiscard]] std::vector<Image8> Segment(std::span<const SegmentationInput> inputs) override {
+    wake_up_.wait();
+    return std::vector<Image8>(inputs.size());
+  }
+  void Cancel() override {}
+  [[nodiscard]] std::string Name() const override { return "deaf"; }
+
+ private:
+  std::shared_future<void> wake_up_;
+  std::promise<void> gone_;
+};
+
+TEST(Slam, EndsWithoutABackEndThatDoesNotGiveUp) {
+  const auto& frames = Frames(SyntheticScenario::kStatic);
+  std::promise<void> wake_up;
+  std::promise<void> gone;
+  std::future<void> is_gone = gone.get_future();
+  const Stopwatch watch;
+  const SlamResult result =
+      RunAll(frames, SmallOptions(false), std::make_unique<DeafSegmenter>(wake_up.get_future(), std::move(gone)));
+  EXPECT_LT(watch.Seconds(), 60);
+  EXPECT_EQ(result.tracked_frames, kFrames);
+  EXPECT_TRUE(result.labels.empty());
+  EXPECT_GT(result.keyframes_left_unlabelled, 0);
+  // Its thread lives on with all that it may touch; when it comes back, both end.
+  EXPECT_EQ(is_gone.wait_for(std::chrono::seconds(0)), std::future_status::timeout);
+  wake_up.set_value();
+  EXPECT_EQ(is_gone.wait_for(std::chrono::seconds(30)), std::future_status::ready);
+}
+
+}  // namespace
+}  // namespace rds
