@@ -63,7 +63,8 @@ FrameData::FrameData(const PinholeCamera& camera, std::vector<Keypoint> keypoint
   }
   std::vector<std::uint16_t> next(cell_start_.begin(), cell_start_.end() - 1);
   for (std::size_t i = 0; i < keypoints_.size(); ++i) {
-    cell_items_[next[cell_of(keypoints_[i])]++] = static_cast<std::uint16_t>(i);
+    const Keypoint& keypoint = keypoints_[i];
+    cell_items_[next[cell_of(keypoint)]++] = {keypoint.x, keypoint.y, static_cast<std::uint16_t>(i), keypoint.octave};
   }
 }
 

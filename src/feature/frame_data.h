@@ -102,7 +102,14 @@ class FrameData {
   float columns_per_px_ = 0;
   float rows_per_px_ = 0;
   std::vector<std::uint16_t> cell_start_;  // kGridRows * kGridColumns + 1 offsets into cell_items_, row by row
-  std::vector<std::uint16_t> cell_items_;  // keypoint indices, ascending in each cell
+  // What a window search must know of each keypoint, cell by cell, ascending by index in each: read in one run.
+  struct CellItem {
+    float x = 0;
+    float y = 0;
+    std::uint16_t index = 0;
+    std::uint8_t octave = 0;
+  };
+  std::vector<CellItem> cell_items_;
 };
 
 template <typename Visitor>
@@ -116,11 +123,10 @@ void FrameData::ForEachInWindow(float x, float y, float radius_px, int min_octav
     const auto cell = static_cast<std::size_t>(row * kGridColumns);
     const std::size_t end = cell_start_[cell + static_cast<std::size_t>(last_column) + 1];
     for (std::size_t i = cell_start_[cell + static_cast<std::size_t>(first_column)]; i < end; ++i) {
-      const std::uint16_t index = cell_items_[i];
-      const Keypoint& keypoint = keypoints_[index];
-      if (keypoint.octave >= min_octave && keypoint.octave <= max_octave && std::abs(keypoint.x - x) < radius_px &&
-          std::abs(keypoint.y - y) < radius_px) {
-        visit(static_cast<std::size_t>(index));
+      const CellItem& item = cell_items_[i];
+      if (item.octave >= min_octave && item.octave <= max_octave && std::abs(item.x - x) < radius_px &&
+          std::abs(item.y - y) < radius_px) {
+        visit(static_cast<std::size_t>(item.index));
       }
     }
   }
