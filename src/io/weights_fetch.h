@@ -9,9 +9,6 @@
 
 namespace rds {
 
-// SHA-256 of a file's bytes, in hexadecimal. Throws InputError if it cannot be read.
-[[nodiscard]] std::string Sha256(const std::filesystem::path& file);
-
 // Downloads `weights` from `url_base`/file into `folder` (made if need be) and returns the file's path. A file that is
 // there with the right digest is left as it is; one with another digest is fetched anew. What has arrived lies in
 // FILE.part until the digest is found right: an interrupted download goes on from there, in this run (a few times) or

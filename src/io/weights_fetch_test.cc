@@ -15,6 +15,7 @@
 
 #include "base/error.h"
 #include "base/random.h"
+#include "base/sha256.h"
 
 namespace rds {
 namespace {
@@ -175,12 +176,6 @@ class WeightsFetchTest : public testing::Test {
   std::string digest_;
   PublishedWeights weights_{};
 };
-
-TEST_F(WeightsFetchTest, DigestIsThatOfTheStandard) {
-  Write(folder_ / "abc", "abc");
-  EXPECT_EQ(Sha256(folder_ / "abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
-  EXPECT_THROW(std::ignore = Sha256(folder_ / "none"), InputError);
-}
 
 TEST_F(WeightsFetchTest, FetchesOnceWithProgress) {
   const LocalServer server({.body = body_});

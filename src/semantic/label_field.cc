@@ -1,7 +1,6 @@
 #include "semantic/label_field.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <utility>
 
@@ -17,26 +16,27 @@ constexpr double kFar = 0.62;
 constexpr float kSameDepth = 0.03F;      // share of the depth up to which a place lies on a surface
 constexpr float kTimeStepDepth = 0.06F;  // share by which the depth of what moves may change from frame to frame
 
-// The sample of a grid, at a place or next to it, whose depth is nearest to the place's.
+// The sample of a grid that shows the surface of a place: the one at the place, so that labels do not creep, else the
+// one around it whose depth is nearest.
 std::optional<std::size_t> FindSurface(const DepthGrid& grid, const GridPlace& place) {
   if (!(place.depth_m > 0 && place.column >= 1 && place.row >= 1 &&
         place.column < static_cast<float>(grid.columns - 1) && place.row < static_cast<float>(grid.rows - 1))) {
     return std::nullopt;
   }
   const int cell = static_cast<int>(place.row) * grid.columns + static_cast<int>(place.column);
-  const std::array<int, 9> steps = {
-      0, -1, 1, -grid.columns, grid.columns, -grid.columns - 1, -grid.columns + 1, grid.columns - 1, grid.columns + 1};
-  float least_m = place.depth_m * kTimeStepDepth;
-  std::optional<std::size_t> found;
-  if (std::abs(grid.depth_m[static_cast<std::size_t>(cell)] - place.depth_m) < kSameDepth * place.depth_m) {
+  const auto difference_m = [&](int step) {
+    return std::abs(grid.depth_m[static_cast<std::size_t>(cell + step)] - place.depth_m);
+  };
+  if (difference_m(0) < kSameDepth * place.depth_m) {
     return static_cast<std::size_t>(cell);
   }
-  for (const int step : steps) {
-    const auto candidate = static_cast<std::size_t>(cell + step);
-    const float difference_m = std::abs(grid.depth_m[candidate] - place.depth_m);
-    if (difference_m < least_m) {
-      least_m = difference_m;
-      found = candidate;
+  float least_m = kTimeStepDepth * place.depth_m;
+  std::optional<std::size_t> found;
+  for (const int step : {0, -1, 1, -grid.columns, grid.columns, -grid.columns - 1, -grid.columns + 1, grid.columns - 1,
+                         grid.columns + 1}) {
+    if (difference_m(step) < least_m) {
+      least_m = difference_m(step);
+      found = static_cast<std::size_t>(cell + step);
     }
   }
   return found;

@@ -19,6 +19,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/sha256.h"
 #include "semantic/openvino_network.h"
 #include "semantic/weights.h"
 
@@ -27,7 +28,7 @@ namespace {
 
 std::size_t Area(int width, int height) { return static_cast<std::size_t>(width) * static_cast<std::size_t>(height); }
 
-// A file of a published name and size. Throws InputError for one of such a name that is shorter.
+// A file that was published, whole. Throws InputError for one of such a name that is shorter or damaged.
 bool IsPublished(const std::string& path) {
   const PublishedWeights* const weights = FindPublishedWeights(std::filesystem::path(path).filename().string());
   if (weights == nullptr) {
@@ -37,6 +38,11 @@ bool IsPublished(const std::string& path) {
   if (bytes < weights->bytes) {
     throw InputError(fmt::format("weights {}: cut short ({} of {} bytes); fetch them again with `rds fetch weights {}`",
                                  path, bytes, weights->bytes, weights->name));
+  }
+  if (bytes == weights->bytes && Sha256(path) != weights->sha256) {
+    throw InputError(
+        fmt::format("weights {}: damaged (not the SHA-256 {}); fetch them again with `rds fetch weights {}`", path,
+                    weights->sha256, weights->name));
   }
   return bytes == weights->bytes;
 }

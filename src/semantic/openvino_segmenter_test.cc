@@ -316,6 +316,22 @@ TEST_F(OpenVinoWeightsTest, AFileCutShortIsRefused) {
   }
 }
 
+TEST_F(OpenVinoWeightsTest, APublishedFileWithOneByteWrongIsRefused) {
+  const char* const name = "deeplabv3_mnv2_dm05_pascal_quant.tflite";
+  const fs::path file = folder_ / name;
+  fs::copy_file(Model(name), file);
+  fs::permissions(file, fs::perms::owner_all);
+  EXPECT_NO_THROW(std::ignore = MakeOpenVinoSegmenter(LoadSegmentationModel(file.string()), {}));
+  std::fstream stream(file, std::ios::binary | std::ios::in | std::ios::out);
+  stream.seekg(100'000);
+  const char right = static_cast<char>(stream.get());
+  stream.seekp(100'000);
+  stream.put(static_cast<char>(right ^ 1));
+  stream.close();
+  EXPECT_THAT(ErrorOf([&] { std::ignore = MakeOpenVinoSegmenter(LoadSegmentationModel(file.string()), {}); }),
+              testing::AllOf(HasSubstr(file.string()), HasSubstr("damaged"), HasSubstr("rds fetch weights fast")));
+}
+
 // Wherever it is cut and whatever it is called.
 TEST_F(OpenVinoWeightsTest, AFileOfAnotherNameCutShortIsRefused) {
   for (const char* name : {"deeplabv3_mnv2_dm05_pascal_quant.tflite", "deeplabv3_mnv2_dm05_361x481.onnx"}) {

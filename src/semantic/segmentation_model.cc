@@ -19,7 +19,9 @@ namespace fs = std::filesystem;
 class Section {
  public:
   Section(std::string file, std::string name, const YAML::Node& node, std::initializer_list<const char*> keys)
-      : file_(std::move(file)), name_(std::move(name)), node_(node) {
+      : file_(std::move(file)),
+        name_(std::move(name)),
+        node_(node && node.IsNull() ? YAML::Node(YAML::NodeType::Undefined) : node) {  // nothing said: all by default
     if (!node_) {
       return;
     }

@@ -60,6 +60,16 @@ TEST_F(SegmentationModelTest, UnknownWeightsWantADescription) {
   EXPECT_THAT(Error(weights), HasSubstr(weights + ".yaml"));
 }
 
+TEST_F(SegmentationModelTest, AnEmptyDescriptionLeavesAllDefaults) {
+  const std::string weights = Write("mine.onnx", "x");
+  for (const char* text : {"", "# all as usual\n", "{}\n", "input:\noutput:\n"}) {
+    Write("mine.onnx.yaml", text);
+    const SegmentationModel model = LoadSegmentationModel(weights);
+    EXPECT_EQ(model.labels, SegmentationModel{}.labels) << text;
+    EXPECT_EQ(model.input_order, SegmentationModel{}.input_order) << text;
+  }
+}
+
 TEST_F(SegmentationModelTest, YamlIsReadAndWrittenBack) {
   SegmentationModel model;
   model.weights = Write("mine.onnx", "x");
