@@ -22,7 +22,7 @@ CONFINED = [
     (r"<opencv2/", {"feature", "semantic", "io", "cli", "testing"}, "OpenCV: .cc files of feature/, semantic/, io/"),
     (r"<openvino/", {"semantic"}, "OpenVINO: its back end in semantic/"),
     (r"<curl/", {"io"}, "libcurl: .cc files of io/"),
-    (r"<openssl/", {"io"}, "OpenSSL: .cc files of io/"),
+    (r"<openssl/", {"base"}, "OpenSSL: .cc files of base/ (digests)"),
     (r"<CLI/", {"cli"}, "CLI11: cli/"),
     (r"<yaml-cpp/", {"io", "semantic", "cli"}, "yaml-cpp: .cc files of io/, semantic/, cli/"),
 ]
