@@ -38,7 +38,7 @@ foreach(folder base geometry optim feature map semantic tracking mapping loop ru
     endif()
     set(arguments "")
     if(folder STREQUAL "system" AND RDS_SANITIZE STREQUAL "thread")  # these long ones run on one thread
-      set(arguments "--gtest_filter=-*Lockstep*:*WalkTogether*:*TheMapGrows*:*TrackedAgain*")
+      set(arguments "--gtest_filter=-*Lockstep*:*WalkTogether*:*TheMapGrows*:*TrackedAgain*:*FallFarther*")
     endif()
     foreach(shard RANGE 1 ${shards})
       math(EXPR index "${shard} - 1")

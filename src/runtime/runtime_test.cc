@@ -1,10 +1,16 @@
 #include <gtest/gtest.h>
 
+#ifdef __linux__
+#include <sched.h>
+#endif
+
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <memory>
 #include <stdexcept>
 #include <thread>
+#include <tuple>
 #include <vector>
 
 #include "runtime/bounded_queue.h"
@@ -145,6 +151,31 @@ TEST(Worker, WaitForTellsWhetherItHasEnded) {
   EXPECT_TRUE(worker.WaitFor(10));
   worker.Join();
 }
+
+#ifdef __linux__
+TEST(Worker, WakesUpOnAnotherCoreThanItsCallersAndThenUsesAll) {
+  const auto cores_of_this_thread = [] {
+    cpu_set_t cores;
+    sched_getaffinity(0, sizeof cores, &cores);
+    return CPU_COUNT(&cores);
+  };
+  const int all = cores_of_this_thread();
+  BoundedQueue<int> bell(1);
+  int awake = 0;
+  int later = 0;
+  Worker worker([&] {
+    std::ignore = bell.Pop();
+    awake = cores_of_this_thread();
+    Worker::UseAllCores();
+    later = cores_of_this_thread();
+  });
+  worker.LeaveCallersCore();
+  ASSERT_TRUE(bell.TryPush(1));
+  worker.Join();
+  EXPECT_EQ(awake, std::max(all - 1, 1));
+  EXPECT_EQ(later, all);
+}
+#endif
 
 }  // namespace
 }  // namespace rds

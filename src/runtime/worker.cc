@@ -3,6 +3,7 @@
 #ifdef __linux__
 #include <pthread.h>
 #include <sched.h>
+#include <unistd.h>
 #endif
 
 #include <chrono>
@@ -44,6 +45,15 @@ void Worker::LeaveCallersCore() {
     if (CPU_COUNT(&cores) > 0) {
       pthread_setaffinity_np(thread_.native_handle(), sizeof cores, &cores);
     }
+  }
+#endif
+}
+
+void Worker::UseAllCores() {
+#ifdef __linux__
+  cpu_set_t cores;
+  if (sched_getaffinity(getpid(), sizeof cores, &cores) == 0) {
+    sched_setaffinity(0, sizeof cores, &cores);
   }
 #endif
 }

@@ -23,10 +23,13 @@ class Worker {
   // Waits at most `seconds` for the function's end; true if it has ended.
   [[nodiscard]] bool WaitFor(double seconds) const;
 
-  // Lets the thread run on any core that the caller may use, but not on the one the caller is on now; without effect
-  // where there is no other. For a thread that is to work beside its caller: some schedulers wake it on the caller's
-  // core although another is idle, and the caller has to stop for it.
+  // Lets the thread wake up on any core that the caller may use but the one the caller is on now; without effect where
+  // there is no other. To be called just before the thread is woken: some schedulers wake it on the caller's core
+  // although another is idle, and the caller has to stop for it. Once awake, the thread calls UseAllCores.
   void LeaveCallersCore();
+
+  // Lets the calling thread run on all cores of the process again.
+  static void UseAllCores();
 
   // Gives the thread up: it goes on alone until its function returns. Only for a function stuck in foreign code, that
   // shares ownership of everything it touches.

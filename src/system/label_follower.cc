@@ -9,6 +9,7 @@ LabelFollower::LabelFollower(const LabelCarryOptions& options, const FreeSpaceOp
   if (!lockstep) {
     worker_.emplace([this] {
       while (const auto frame = frames_.Pop()) {
+        Worker::UseAllCores();
         Follow(*frame);
       }
     });
@@ -29,13 +30,8 @@ void LabelFollower::Offer(TrackedFrame frame) {
   } else if (worker_->WaitFor(0)) {
     worker_->Join();  // it ended by an error
   } else {
-    static_cast<void>(frames_.TryPush(std::move(frame)));
-  }
-}
-
-void LabelFollower::LeaveCallersCore() {
-  if (worker_) {
     worker_->LeaveCallersCore();
+    static_cast<void>(frames_.TryPush(std::move(frame)));
   }
 }
 

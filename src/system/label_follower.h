@@ -28,8 +28,6 @@ class LabelFollower {
 
   // Frames ascend. Never waits: where the thread is far behind, the frame is left out. Throws what the thread threw.
   void Offer(TrackedFrame frame);
-  // As Worker has it.
-  void LeaveCallersCore();
   // Null before the first.
   [[nodiscard]] std::shared_ptr<const LabelField> Newest() const { return newest_.Get(); }
 

@@ -29,7 +29,6 @@ TEST(LabelFollowerTest, PublishesTheLabelsOfTheNewestFrame) {
   LabelFollower follower({}, {}, false);
   EXPECT_EQ(follower.Newest(), nullptr);
   for (const std::uint32_t frame : {0U, 1U, 5U}) {
-    follower.LeaveCallersCore();
     follower.Offer(Frame(frame));
     EXPECT_TRUE(Arrives(follower, FrameId{frame}));
   }
@@ -38,7 +37,6 @@ TEST(LabelFollowerTest, PublishesTheLabelsOfTheNewestFrame) {
 TEST(LabelFollowerTest, WorksAtOnceInLockstep) {
   LabelFollower follower({}, {}, true);
   for (const std::uint32_t frame : {0U, 1U, 5U}) {
-    follower.LeaveCallersCore();
     follower.Offer(Frame(frame));
     ASSERT_NE(follower.Newest(), nullptr);
     EXPECT_EQ(follower.Newest()->frame, FrameId{frame});

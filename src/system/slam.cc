@@ -23,8 +23,7 @@
 namespace rds {
 namespace {
 
-constexpr std::uint32_t kLeaveCoreEvery = 10;  // frames; the caller may have moved to another core since
-constexpr int kWeakStart = 60;                 // matches below which the first keyframe does not do any more
+constexpr int kWeakStart = 60;  // matches below which the first keyframe does not do any more
 
 // Keyframes that wait for labels, as the semantic thread sees them.
 struct Waiting {
@@ -51,6 +50,7 @@ struct Shared {
 
 void RunMapping(Shared& shared) {
   while (auto candidate = shared.keyframes.Pop()) {
+    Worker::UseAllCores();
     shared.mapping = true;
     shared.pipeline.MapKeyframe(*candidate, [&] { return shared.keyframes.Size() > 0; });
     shared.mapping = false;
@@ -72,6 +72,7 @@ void RunSemantics(Shared& shared, const SemanticOptions& options) {
     if (selected.empty()) {
       return;
     }
+    Worker::UseAllCores();
     std::vector<std::vector<BacklogItem>> requests;
     if (options.batch) {
       requests.push_back(std::move(selected));
@@ -252,12 +253,6 @@ FrameResult Slam::Impl::Process(const RgbdFrame& frame) {
   processed_ = next_frame_;
   result.timestamp_s = frame.timestamp_s;
   shared_->pipeline.SetCurrentFrame(result.frame);
-  if (mapping_ && processed_ % kLeaveCoreEvery == 1) {
-    mapping_->LeaveCallersCore();
-    if (follower_) {
-      follower_->LeaveCallersCore();
-    }
-  }
   if (options_.system.lockstep) {
     StepSemantics(result.frame);
   }
@@ -291,6 +286,11 @@ bool Slam::Impl::OfferKeyframe(const RgbdFrame& frame) {
   KeyframeCandidate candidate = tracker_->MakeCandidate();
   BacklogItem item{candidate.frame, frame.timestamp_s, frame.image, candidate.data, false};
   const bool first = !candidate.reference.valid();
+  for (const auto* worker : {&mapping_, &semantics_}) {
+    if (*worker) {
+      (*worker)->LeaveCallersCore();
+    }
+  }
   if (options_.system.lockstep || first) {
     // The first keyframe is the map: the second frame must find it there, so this one thread makes it.
     shared_->pipeline.MapKeyframe(candidate, [] { return false; });
