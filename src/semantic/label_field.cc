@@ -16,9 +16,18 @@ constexpr double kFar = 0.62;
 constexpr float kSameDepth = 0.03F;      // share of the depth up to which a place lies on a surface
 constexpr float kTimeStepDepth = 0.06F;  // share by which the depth of what moves may change from frame to frame
 
-// The sample of a grid that shows the surface of a place: the one at the place, so that labels do not creep, else the
-// one around it whose depth is nearest.
-std::optional<std::size_t> FindSurface(const DepthGrid& grid, const GridPlace& place) {
+bool IsDynamic(const SurfaceLabel& label) { return label.dynamic; }
+
+bool IsDynamic(KeypointLabel label) { return label == KeypointLabel::kDynamic; }
+
+// Where a grid shows the surface of a place.
+struct Found {
+  std::size_t sample = 0;
+  bool moved = false;  // not at the place itself, but next to it: a surface that moves, or an edge
+};
+
+// The sample at the place, so that labels do not creep, else the one around it whose depth is nearest.
+std::optional<Found> FindSurface(const DepthGrid& grid, const GridPlace& place) {
   if (!(place.depth_m > 0 && place.column >= 1 && place.row >= 1 &&
         place.column < static_cast<float>(grid.columns - 1) && place.row < static_cast<float>(grid.rows - 1))) {
     return std::nullopt;
@@ -28,15 +37,15 @@ std::optional<std::size_t> FindSurface(const DepthGrid& grid, const GridPlace& p
     return std::abs(grid.depth_m[static_cast<std::size_t>(cell + step)] - place.depth_m);
   };
   if (difference_m(0) < kSameDepth * place.depth_m) {
-    return static_cast<std::size_t>(cell);
+    return Found{static_cast<std::size_t>(cell), false};
   }
   float least_m = kTimeStepDepth * place.depth_m;
-  std::optional<std::size_t> found;
+  std::optional<Found> found;
   for (const int step : {0, -1, 1, -grid.columns, grid.columns, -grid.columns - 1, -grid.columns + 1, grid.columns - 1,
                          grid.columns + 1}) {
     if (difference_m(step) < least_m) {
       least_m = difference_m(step);
-      found = static_cast<std::size_t>(cell + step);
+      found = Found{static_cast<std::size_t>(cell + step), true};
     }
   }
   return found;
@@ -71,28 +80,34 @@ std::vector<double> KeypointProbabilities(const LabelField& field, const FrameDa
     if (!keypoint.HasDepth()) {
       continue;
     }
-    const auto sample = FindSurface(
+    const auto found = FindSurface(
         field.grid, warp({keypoint.raw_x / kDepthGridStep, keypoint.raw_y / kDepthGridStep, keypoint.depth_m}));
-    if (!sample || !field.labels[*sample].IsKnown()) {
+    if (!found) {
       continue;
     }
-    const SurfaceLabel& label = field.labels[*sample];
+    const SurfaceLabel& label = field.labels[found->sample];
+    if (!label.IsKnown()) {
+      continue;
+    }
     const double p = kNear + (kFar - kNear) * label.distance_px / options.Reach(label.dynamic);
     result[i] = label.dynamic ? p : 1 - p;
   }
   return result;
 }
 
-std::vector<std::int32_t> LabelCarrier::FindSources(const PinholeCamera& camera, const Moment& from, const Moment& to) {
-  std::vector<std::int32_t> sources(to.grid.depth_m.size(), kNoSource);
+std::vector<LabelCarrier::Source> LabelCarrier::FindSources(const PinholeCamera& camera, const Moment& from,
+                                                            const Moment& to) {
+  std::vector<Source> sources(to.grid.depth_m.size());
   const GridWarp warp(camera, from.camera_from_world * to.camera_from_world.Inverse());
   std::size_t i = 0;
   for (int row = 0; row < to.grid.rows; ++row) {
     for (int column = 0; column < to.grid.columns; ++column, ++i) {
       if (to.grid.depth_m[i] > 0) {
-        const auto sample = FindSurface(
+        const auto found = FindSurface(
             from.grid, warp({static_cast<float>(column) + 0.5F, static_cast<float>(row) + 0.5F, to.grid.depth_m[i]}));
-        sources[i] = sample ? static_cast<std::int32_t>(*sample) : kNoSource;
+        if (found) {
+          sources[i] = {static_cast<std::int32_t>(found->sample), found->moved};
+        }
       }
     }
   }
@@ -100,11 +115,14 @@ std::vector<std::int32_t> LabelCarrier::FindSources(const PinholeCamera& camera,
 }
 
 template <typename Value>
-std::vector<Value> LabelCarrier::Carry(std::span<const std::int32_t> sources, std::span<const Value> values) {
+std::vector<Value> LabelCarrier::Carry(std::span<const Source> sources, std::span<const Value> values) {
   std::vector<Value> carried(sources.size());
   for (std::size_t i = 0; i < sources.size(); ++i) {
-    if (sources[i] != kNoSource) {
-      carried[i] = values[static_cast<std::size_t>(sources[i])];
+    if (sources[i].sample >= 0) {
+      const Value& value = values[static_cast<std::size_t>(sources[i].sample)];
+      if (!sources[i].moved || IsDynamic(value)) {
+        carried[i] = value;
+      }
     }
   }
   return carried;

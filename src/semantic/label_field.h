@@ -54,19 +54,22 @@ class LabelCarrier {
 
  private:
   static constexpr std::size_t kLongestHistory = 64;  // frames over which a late label is carried at most
-  static constexpr std::int32_t kNoSource = -1;
 
+  struct Source {
+    std::int32_t sample = -1;  // none
+    bool moved = false;        // it was next to the place: only what is dynamic has gone there
+  };
   struct Moment {
     FrameId frame;
     Rigid3 camera_from_world;
     DepthGrid grid;
-    std::vector<std::int32_t> sources;  // of each sample, the sample of the moment before that shows the same surface
+    std::vector<Source> sources;  // of each sample, the sample of the moment before that shows the same surface
   };
 
-  [[nodiscard]] static std::vector<std::int32_t> FindSources(const PinholeCamera& camera, const Moment& from,
-                                                             const Moment& to);
+  [[nodiscard]] static std::vector<Source> FindSources(const PinholeCamera& camera, const Moment& from,
+                                                       const Moment& to);
   template <typename Value>
-  [[nodiscard]] static std::vector<Value> Carry(std::span<const std::int32_t> sources, std::span<const Value> values);
+  [[nodiscard]] static std::vector<Value> Carry(std::span<const Source> sources, std::span<const Value> values);
   // The labels of a keyframe where its surfaces are now, over all frames since; empty if it is too long ago.
   [[nodiscard]] std::vector<KeypointLabel> CarryFrom(const SeenView& view) const;
   [[nodiscard]] int CostSince(FrameId then, FrameId now) const;  // px

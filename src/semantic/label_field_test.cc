@@ -122,6 +122,19 @@ TEST(LabelCarrier, ANewerLabelOverrulesAnOlderOne) {
   EXPECT_TRUE(IsStatic(*field, 30));
 }
 
+TEST(LabelCarrier, OnlyDynamicLabelsGoWithAMovingSurface) {
+  for (const bool dynamic : {true, false}) {
+    LabelCarrier carrier({}, NoSpace());
+    const std::vector<SeenView> views{Labelled(0, dynamic ? Board{20, 40} : Board{})};
+    Walk(carrier, 1, 0, views);
+    const auto field = carrier.Next(FrameId{1}, *SeeBoard({21, 41}), {}, views);
+    EXPECT_EQ(At(*field, 40).dynamic, dynamic);
+    // The leading edge has its own label, or one that has spread there from the sample beside it.
+    const int cost_px = LabelCarryOptions{}.frame_cost_px;
+    EXPECT_EQ(At(*field, 40).distance_px, dynamic ? cost_px : cost_px + kDepthGridStep);
+  }
+}
+
 TEST(LabelCarrier, APlaceMovesWithTheCamera) {
   LabelCarrier carrier({}, NoSpace());
   Walk(carrier, 1, 0, {Labelled(0, {20, 40})});
