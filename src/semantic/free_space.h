@@ -13,7 +13,7 @@ namespace rds {
 struct FreeSpaceOptions {
   bool enabled = true;
   double margin_depth = 0.1;  // an earlier view must have looked that much farther, as a share of the depth
-  double match_depth = 0.04;  // a surface is the same one up to this share of its depth
+  double match_depth = 0.02;  // a surface is the same one up to this share of its depth
 };
 
 inline constexpr std::size_t kFreeSpaceViews = 3;      // earlier views that are asked

@@ -56,6 +56,17 @@ TEST(JudgeBySpace, AStaticSurfaceSeenAgainIsStaticAndNothingElseIs) {
   EXPECT_EQ(At(judged, 60, 30), KeypointLabel::kNone);     // no word of a label that may be old
 }
 
+TEST(JudgeBySpace, WhatStandsJustBeforeAStaticSurfaceIsNotIt) {
+  const std::vector<KeypointLabel> labels(static_cast<std::size_t>(kBoardColumns * kBoardRows), KeypointLabel::kStatic);
+  const std::vector<SeenView> views{View({}, labels)};
+  for (const double share : {0.01, 0.03}) {
+    Rigid3 camera_from_world;  // a step back, and yet the picture is the same: it has come along
+    camera_from_world.translation = {0, 0, share * static_cast<double>(kWallDepth)};
+    EXPECT_EQ(At(JudgeBySpace(*SeeBoard({}), camera_from_world, views, {}), 40, 30),
+              share < 0.02 ? KeypointLabel::kStatic : KeypointLabel::kNone);
+  }
+}
+
 TEST(JudgeBySpace, TellsNothingWithoutViewsOrAGrid) {
   const auto bare = std::make_shared<const FrameData>(TestCamera(), std::vector<Keypoint>{}, std::vector<Descriptor>{});
   EXPECT_EQ(Count(JudgeBySpace(*SeeBoard({30, 40}), {}, {}, {}), KeypointLabel::kNone), kBoardColumns * kBoardRows);

@@ -86,7 +86,7 @@ std::vector<double> KeypointProbabilities(const LabelField& field, const FrameDa
       continue;
     }
     const SurfaceLabel& label = field.labels[found->sample];
-    if (!label.IsKnown()) {
+    if (!label.IsKnown() || (found->moved && !label.dynamic)) {
       continue;
     }
     const double p = kNear + (kFar - kNear) * label.distance_px / options.Reach(label.dynamic);

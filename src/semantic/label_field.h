@@ -34,7 +34,8 @@ struct LabelField {
 
 // Moving probability of each keypoint of a later frame of the same camera, by the labels of the surface that it lies
 // on; 1/2 where there is none. Surfaces are found again by their depth near the place where they would be if they kept
-// still, so that those of walking people are found, too. `later_from_field` is the motion of the camera. Re-entrant.
+// still, so that those of walking people are found, too; static ones hold at their place only. `later_from_field` is
+// the motion of the camera. Re-entrant.
 [[nodiscard]] std::vector<double> KeypointProbabilities(const LabelField& field, const FrameData& later,
                                                         const Rigid3& later_from_field,
                                                         const SurfaceLabelOptions& options);

@@ -201,20 +201,22 @@ Keypoint KeypointAt(int column, int row, float depth_m) {
 TEST(KeypointProbabilities, AreThoseOfTheSurfaceThatTheKeypointLiesOn) {
   LabelCarrier carrier({}, NoSpace());
   const auto field = Walk(carrier, 1, 0, {Labelled(0, {20, 40})});
-  const auto later = SeeBoard({}, {KeypointAt(30, kRow, kBoardDepth),            // on the board
-                                   KeypointAt(40, kRow, kBoardDepth),            // it has moved on a little
-                                   KeypointAt(50, kRow, kBoardDepth),            // too far for that
-                                   KeypointAt(50, kRow, kWallDepth),             // on the wall
-                                   KeypointAt(30, kRow, 0),                      // no depth
-                                   KeypointAt(30, kRow, 1.05F * kBoardDepth)});  // it has moved away a little
+  const auto later = SeeBoard({}, {KeypointAt(30, kRow, kBoardDepth),           // on the board
+                                   KeypointAt(40, kRow, kBoardDepth),           // it has moved on a little
+                                   KeypointAt(50, kRow, kBoardDepth),           // too far for that
+                                   KeypointAt(50, kRow, kWallDepth),            // on the wall
+                                   KeypointAt(30, kRow, 0),                     // no depth
+                                   KeypointAt(30, kRow, 1.05F * kBoardDepth),   // it has moved away a little
+                                   KeypointAt(60, kRow, 0.95F * kWallDepth)});  // walls do not: this is something else
   const std::vector<double> p = KeypointProbabilities(*field, *later, {}, {});
-  ASSERT_EQ(p.size(), 6U);
+  ASSERT_EQ(p.size(), 7U);
   EXPECT_DOUBLE_EQ(p[0], 0.88);
   EXPECT_DOUBLE_EQ(p[1], 0.88);
   EXPECT_DOUBLE_EQ(p[2], kUnknownProbability);
   EXPECT_DOUBLE_EQ(p[3], 1 - 0.88);
   EXPECT_DOUBLE_EQ(p[4], kUnknownProbability);
   EXPECT_DOUBLE_EQ(p[5], 0.88);
+  EXPECT_DOUBLE_EQ(p[6], kUnknownProbability);
 }
 
 TEST(KeypointProbabilities, FadeWithTheDistanceOfTheLabel) {
