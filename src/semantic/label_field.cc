@@ -20,6 +20,12 @@ bool IsDynamic(const SurfaceLabel& label) { return label.dynamic; }
 
 bool IsDynamic(KeypointLabel label) { return label == KeypointLabel::kDynamic; }
 
+// What is static stays at its place; only what is dynamic is found next to it.
+template <typename Label>
+bool IsCarried(const Label& label, bool moved) {
+  return !moved || IsDynamic(label);
+}
+
 // Where a grid shows the surface of a place.
 struct Found {
   std::size_t sample = 0;
@@ -86,7 +92,7 @@ std::vector<double> KeypointProbabilities(const LabelField& field, const FrameDa
       continue;
     }
     const SurfaceLabel& label = field.labels[found->sample];
-    if (!label.IsKnown() || (found->moved && !label.dynamic)) {
+    if (!label.IsKnown() || !IsCarried(label, found->moved)) {
       continue;
     }
     const double p = kNear + (kFar - kNear) * label.distance_px / options.Reach(label.dynamic);
@@ -120,7 +126,7 @@ std::vector<Value> LabelCarrier::Carry(std::span<const Source> sources, std::spa
   for (std::size_t i = 0; i < sources.size(); ++i) {
     if (sources[i].sample >= 0) {
       const Value& value = values[static_cast<std::size_t>(sources[i].sample)];
-      if (!sources[i].moved || IsDynamic(value)) {
+      if (IsCarried(value, sources[i].moved)) {
         carried[i] = value;
       }
     }
