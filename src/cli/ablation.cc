@@ -49,6 +49,12 @@ std::span<const AblationVariant> AblationVariants() {
           "one start", "the frames before the first label are not tracked again", {"semantic.start_frames=0"}},
       AblationVariant{
           "unproven", "points weigh the same however few keyframes see them", {"tracking.proven_sightings=1"}},
+      AblationVariant{"no alignment",
+                      "the surfaces of a frame are not laid over those of its reference keyframe",
+                      {"tracking.align_surfaces=false"}},
+      AblationVariant{"no motion prior",
+                      "a pose stands on its matches alone: neither velocity nor surfaces hold it",
+                      {"tracking.acceleration_m_s2=0"}},
       AblationVariant{
           "no association", "tracking does not look at moving probabilities", {"tracking.use_semantics=false"}},
       AblationVariant{

@@ -43,6 +43,15 @@ struct NormalEquations {
   double cost = 0;
 };
 
+void AddPrior(const PosePrior& prior, const Rigid3& camera_from_world, NormalEquations* equations) {
+  Matrix6 jacobian;
+  const Vector6 residual = PriorResidual(prior, camera_from_world, &jacobian);
+  const Vector6 weighted = prior.information * residual;
+  equations->cost += residual.dot(weighted);
+  equations->gradient += jacobian.transpose() * weighted;
+  equations->hessian += jacobian.transpose() * prior.information * jacobian;
+}
+
 bool IsUsable(const PoseObservation& observation) {
   const PixelObservation& keypoint = observation.keypoint;
   const std::initializer_list<double> values = {observation.point_in_world.x(),
@@ -59,7 +68,7 @@ bool IsUsable(const PoseObservation& observation) {
 // The observations in blocks and which of them take part.
 class Problem {
  public:
-  Problem(const PinholeCamera& camera, std::span<const PoseObservation> observations);
+  Problem(const PinholeCamera& camera, std::span<const PoseObservation> observations, const PosePrior* prior);
 
   // Marks all observations below their chi2 quantile and returns how many they are.
   int Classify(const Rigid3& camera_from_world, std::vector<std::uint8_t>* inlier) const;
@@ -71,12 +80,13 @@ class Problem {
  private:
   PinholeCamera camera_;
   std::span<const PoseObservation> observations_;
+  const PosePrior* prior_;  // or null
   std::vector<std::uint8_t> usable_;
   std::vector<Block> blocks_;
 };
 
-Problem::Problem(const PinholeCamera& camera, std::span<const PoseObservation> observations)
-    : camera_(camera), observations_(observations), usable_(observations.size()) {
+Problem::Problem(const PinholeCamera& camera, std::span<const PoseObservation> observations, const PosePrior* prior)
+    : camera_(camera), observations_(observations), prior_(prior), usable_(observations.size()) {
   Block empty;
   for (Lanes* lanes : {&empty.x, &empty.y, &empty.u, &empty.v, &empty.right_x, &empty.has_depth, &empty.information}) {
     lanes->setZero();
@@ -244,6 +254,9 @@ NormalEquations Problem::Evaluate(const Rigid3& camera_from_world, bool robust) 
   h.bottomLeftCorner<3, 3>() = h.topRightCorner<3, 3>().transpose();
   h.bottomRightCorner<3, 3>() << e00.sum(), e01.sum(), e02.sum(), e01.sum(), e11.sum(), e12.sum(), e02.sum(), e12.sum(),
       e22.sum();
+  if (prior_ != nullptr) {
+    AddPrior(*prior_, camera_from_world, &result);
+  }
   return result;
 }
 
@@ -305,9 +318,10 @@ bool PoseResidual(const PinholeCamera& camera, const Rigid3& camera_from_world, 
 }
 
 PoseResult OptimizePose(const PinholeCamera& camera, const Rigid3& initial_camera_from_world,
-                        std::span<const PoseObservation> observations, const PoseOptimizerOptions& options) {
+                        std::span<const PoseObservation> observations, const PoseOptimizerOptions& options,
+                        const PosePrior* prior) {
   Check(options.rounds > 0 && options.iterations_per_round > 0, "pose optimiser: rounds and iterations must be > 0");
-  Problem problem(camera, observations);
+  Problem problem(camera, observations, prior);
   PoseResult result;
   result.camera_from_world = initial_camera_from_world;
   const auto fail = [&] {

@@ -9,6 +9,7 @@
 #include "geometry/camera.h"
 #include "geometry/rigid3.h"
 #include "optim/observation.h"
+#include "optim/pose_prior.h"
 
 namespace rds {
 
@@ -28,7 +29,8 @@ struct PoseResult {
   std::vector<std::uint8_t> inlier;  // one for each observation, 1 = its unweighted chi2 is below the 95 % quantile
   int inliers = 0;
   bool converged = false;  // false: fewer than 3 inliers or a singular system; the pose is the initial one
-  Eigen::Matrix<double, 6, 6> information = Eigen::Matrix<double, 6, 6>::Zero();  // J^T W J at the end, (t, w) order
+  Eigen::Matrix<double, 6, 6> information =
+      Eigen::Matrix<double, 6, 6>::Zero();  // J^T W J at the end, (t, w) order, with the prior's
 };
 
 // Residual of one observation and its 3x6 Jacobian by Perturb (geometry/rigid3.h), unweighted, unscaled by sigma.
@@ -38,9 +40,10 @@ struct PoseResult {
                                 Eigen::Matrix<double, 3, 6>* jacobian);
 
 // Levenberg-Marquardt with Huber kernels in rounds of inlier classification; the motion-only bundle adjustment of
-// ORB-SLAM (Mur-Artal et al., T-RO 2015, section V) with the weight of RDS-SLAM's equation 6. Re-entrant.
+// ORB-SLAM (Mur-Artal et al., T-RO 2015, section V) with the weight of RDS-SLAM's equation 6. What is known beforehand
+// (or null) counts like an observation that is never an outlier. Re-entrant.
 [[nodiscard]] PoseResult OptimizePose(const PinholeCamera& camera, const Rigid3& initial_camera_from_world,
                                       std::span<const PoseObservation> observations,
-                                      const PoseOptimizerOptions& options = {});
+                                      const PoseOptimizerOptions& options = {}, const PosePrior* prior = nullptr);
 
 }  // namespace rds

@@ -287,6 +287,41 @@ TEST(OptimizePose, IsDeterministic) {
   EXPECT_EQ(a.information, b.information);
 }
 
+PosePrior Around(const Rigid3& camera_from_world, double sigma) {
+  return {camera_from_world, Eigen::Matrix<double, 6, 6>::Identity() / (sigma * sigma)};
+}
+
+TEST(OptimizePose, ManyObservationsOverruleAPrior) {
+  const PosePrior prior = Around(Start(0.02), 0.02);
+  const PoseResult result = OptimizePose(TestCamera(), Start(0.02), Scene(300, 0.5, 0), {}, &prior);
+  EXPECT_TRUE(result.converged);
+  EXPECT_LT(DistanceFromTruth(result.camera_from_world), 0.005);
+}
+
+TEST(OptimizePose, APriorHoldsWhatObservationsLeaveFree) {
+  std::vector<PoseObservation> observations;
+  for (int i = 0; i < 10; ++i) {  // along a line: free to turn about it
+    observations.push_back(Observe(kTruth, {-0.5 + 0.1 * i, 0.2, 2}, true));
+  }
+  const PosePrior prior = Around(kTruth, 0.01);
+  const PoseResult result = OptimizePose(TestCamera(), Start(0.01), observations, {}, &prior);
+  EXPECT_TRUE(result.converged);
+  EXPECT_EQ(result.inliers, 10);
+  EXPECT_LT(DistanceFromTruth(result.camera_from_world), 1e-4);
+}
+
+TEST(OptimizePose, PriorAndObservationsShareWhatTheySay) {
+  // One observation on the axis, weighted as much as the prior: half way between them.
+  PoseObservation observation = Observe({}, {0, 0, 2}, true);
+  observation.keypoint.inverse_sigma2 = 1;
+  std::vector<PoseObservation> observations(3, observation);
+  PosePrior prior = Around({}, 1e-6);  // rigid but for a shift along x
+  prior.camera_from_world.translation.x() = 1e-3;
+  prior.information(0, 0) = 3 * 2 * 525.0 * 525.0 / 4;  // three observations, left and right image, (f / z)^2
+  const PoseResult result = OptimizePose(TestCamera(), prior.camera_from_world, observations, {}, &prior);
+  EXPECT_NEAR(result.camera_from_world.translation.x(), 0.5e-3, 1e-5);
+}
+
 TEST(OptimizePose, RejectsOptionsWithoutRounds) {
   PoseOptimizerOptions options;
   options.rounds = 0;

@@ -57,6 +57,13 @@ std::optional<Found> FindSurface(const DepthGrid& grid, const GridPlace& place) 
   return found;
 }
 
+// The label that a place of a later frame has by its surface; unknown if there is none.
+SurfaceLabel LabelAt(const LabelField& field, const GridPlace& place) {
+  const auto found = FindSurface(field.grid, place);
+  const SurfaceLabel label = found ? field.labels[found->sample] : SurfaceLabel{};
+  return label.IsKnown() && IsCarried(label, found->moved) ? label : SurfaceLabel{};
+}
+
 std::vector<std::uint8_t> MarkMoving(const DepthGrid& grid, std::span<const SurfaceLabel> labels) {
   std::vector<std::uint8_t> moving;
   for (int row = 0; row < grid.rows; ++row) {
@@ -86,17 +93,31 @@ std::vector<double> KeypointProbabilities(const LabelField& field, const FrameDa
     if (!keypoint.HasDepth()) {
       continue;
     }
-    const auto found = FindSurface(
-        field.grid, warp({keypoint.raw_x / kDepthGridStep, keypoint.raw_y / kDepthGridStep, keypoint.depth_m}));
-    if (!found) {
-      continue;
-    }
-    const SurfaceLabel& label = field.labels[found->sample];
-    if (!label.IsKnown() || !IsCarried(label, found->moved)) {
+    const SurfaceLabel label =
+        LabelAt(field, warp({keypoint.raw_x / kDepthGridStep, keypoint.raw_y / kDepthGridStep, keypoint.depth_m}));
+    if (!label.IsKnown()) {
       continue;
     }
     const double p = kNear + (kFar - kNear) * label.distance_px / options.Reach(label.dynamic);
     result[i] = label.dynamic ? p : 1 - p;
+  }
+  return result;
+}
+
+std::vector<std::uint8_t> StaticSamples(const LabelField& field, const FrameData& later, const Rigid3& later_from_field,
+                                        int step) {
+  const DepthGrid& grid = later.depth_grid();
+  std::vector<std::uint8_t> result(grid.depth_m.size(), 0);
+  const GridWarp warp(field.camera, later_from_field.Inverse());
+  for (int row = step / 2; row < grid.rows; row += step) {
+    for (int column = step / 2; column < grid.columns; column += step) {
+      const auto i = static_cast<std::size_t>(row * grid.columns + column);
+      if (grid.depth_m[i] > 0) {
+        const SurfaceLabel label =
+            LabelAt(field, warp({static_cast<float>(column) + 0.5F, static_cast<float>(row) + 0.5F, grid.depth_m[i]}));
+        result[i] = label.IsKnown() && !label.dynamic ? 1 : 0;
+      }
+    }
   }
   return result;
 }

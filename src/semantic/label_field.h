@@ -40,6 +40,11 @@ struct LabelField {
                                                         const Rigid3& later_from_field,
                                                         const SurfaceLabelOptions& options);
 
+// 1 for each sample of a later frame's depth grid that lies on a surface called static, 0 elsewhere. Looks only at
+// every `step`-th sample in each direction, from step / 2 on. Otherwise like KeypointProbabilities.
+[[nodiscard]] std::vector<std::uint8_t> StaticSamples(const LabelField& field, const FrameData& later,
+                                                      const Rigid3& later_from_field, int step);
+
 // Carries labels from frame to frame over the surfaces that depth images show, whatever moves, from the masks of
 // labelled keyframes to the frame of the moment: late ones over all frames since. What free space says is added to it.
 // Not thread-safe.

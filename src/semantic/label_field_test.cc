@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "semantic/moving_probability.h"
@@ -246,6 +247,21 @@ TEST(KeypointProbabilities, LookWhereTheCameraHasMovedTo) {
   const std::vector<double> p = KeypointProbabilities(*field, *later, later_from_field, {});
   EXPECT_DOUBLE_EQ(p[0], 0.88);
   EXPECT_DOUBLE_EQ(p[1], kUnknownProbability);
+}
+
+TEST(StaticSamples, AreThoseOfSurfacesThatKeepStill) {
+  LabelCarrier carrier({}, NoSpace());
+  const auto field = Walk(carrier, 1, 0, {Labelled(0, {20, 40})});
+  const std::vector<std::uint8_t> still = StaticSamples(*field, *SeeBoard({20, 40}), {}, 2);
+  ASSERT_EQ(still.size(), SampleAt(0, kBoardRows));
+  EXPECT_EQ(still[SampleAt(61, 31)], 1);  // the wall
+  EXPECT_EQ(still[SampleAt(31, 31)], 0);  // the board
+  EXPECT_EQ(still[SampleAt(60, 31)], 0);  // not asked for
+  EXPECT_EQ(still[SampleAt(61, 30)], 0);
+  // Without a label nothing is known to keep still.
+  LabelCarrier unlabelled({}, NoSpace());
+  const std::vector<std::uint8_t> none = StaticSamples(*Walk(unlabelled, 1, 0, {}), *SeeBoard({20, 40}), {}, 1);
+  EXPECT_EQ(std::ranges::count(none, 1), 0);
 }
 
 }  // namespace

@@ -35,6 +35,14 @@ void BindTracking(TrackerOptions& options, OptionTable& table) {
   table.Int("tracking.regain_keyframes", options.regain_keyframes, 1, 1000,
             "nearest keyframes tried when tracking is lost");
   table.Real("tracking.close_baselines", options.close_baselines, 1, 1000, "depth in baselines that counts as close");
+  table.Real("tracking.acceleration_m_s2", options.motion.acceleration_m_s2, 0, 1000,
+             "how much the velocity of the camera may change; poses stay near what that allows; 0 = anywhere");
+  table.Real("tracking.turn_rad_s2", options.motion.turn_rad_s2, 0.1, 1000, "the same for turning");
+  SurfaceAlignmentOptions& alignment = options.alignment;
+  table.Flag("tracking.align_surfaces", alignment.enabled,
+             "lay the surfaces of a frame, static ones with semantics, over those of its reference keyframe first");
+  table.Int("tracking.alignment_step", alignment.step, 1, 20, "every so many samples of the depth grid are laid over");
+  table.Real("tracking.alignment_weight", alignment.weight, 1e-6, 1, "of each: errors of neighbours are alike");
   AssociationOptions& association = options.association;
   table.Flag("tracking.use_semantics", association.use_semantics,
              "let moving probabilities select the matches (Algorithm 2)");

@@ -1,7 +1,10 @@
 #include "tracking/regain.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
+#include <iterator>
+#include <utility>
 
 #include "base/random.h"
 #include "feature/matching.h"
@@ -81,6 +84,20 @@ std::optional<Rigid3> RansacPose(const FrameData& current, std::span<const Point
     }
   }
   return best;
+}
+
+std::vector<const LocalKeyframe*> NearestKeyframes(const LocalMap& map, const Eigen::Vector3d& centre, int most) {
+  std::vector<std::pair<double, const LocalKeyframe*>> nearest;
+  for (const LocalKeyframe& keyframe : map.keyframes) {
+    nearest.emplace_back((keyframe.camera_from_world.Inverse().translation - centre).norm(), &keyframe);
+  }
+  const auto count = std::min<std::ptrdiff_t>(std::ssize(nearest), most);
+  std::ranges::partial_sort(nearest, nearest.begin() + count, {},
+                            [](const auto& item) { return std::pair(item.first, item.second->id); });
+  std::vector<const LocalKeyframe*> keyframes;
+  std::transform(nearest.begin(), nearest.begin() + count, std::back_inserter(keyframes),
+                 [](const auto& item) { return item.second; });
+  return keyframes;
 }
 
 }  // namespace rds

@@ -20,4 +20,8 @@ namespace rds {
 [[nodiscard]] std::optional<Rigid3> RansacPose(const FrameData& current, std::span<const PointMatch> matches,
                                                const LocalMap& map, const ScalePyramid& pyramid, int min_inliers);
 
+// The keyframes of a map whose camera centres are nearest to a place, nearest first, `most` of them at most.
+[[nodiscard]] std::vector<const LocalKeyframe*> NearestKeyframes(const LocalMap& map, const Eigen::Vector3d& centre,
+                                                                 int most);
+
 }  // namespace rds

@@ -140,5 +140,24 @@ TEST(RansacPose, NeedsThreeKeypointsWithDepth) {
   EXPECT_THAT(*pose, RigidNear(scene.pose, 2e-3, 0.1));
 }
 
+TEST(NearestKeyframes, AreSortedByTheDistanceOfTheirCentres) {
+  LocalMap map;
+  for (const double x : {3.0, 1.0, -2.0, 1.0}) {
+    LocalKeyframe keyframe;
+    keyframe.id = KeyframeId{static_cast<std::uint32_t>(map.keyframes.size())};
+    keyframe.camera_from_world.translation = {-x, 0, 0};  // the centre is at x
+    map.keyframes.push_back(keyframe);
+  }
+  const auto ids = [&](int most) {
+    std::vector<std::uint32_t> result;
+    for (const LocalKeyframe* keyframe : NearestKeyframes(map, {0.5, 0, 0}, most)) {
+      result.push_back(keyframe->id.value);
+    }
+    return result;
+  };
+  EXPECT_EQ(ids(10), (std::vector<std::uint32_t>{1, 3, 0, 2}));  // the older of equals first; 0 and 2 are equal, too
+  EXPECT_EQ(ids(2), (std::vector<std::uint32_t>{1, 3}));
+}
+
 }  // namespace
 }  // namespace rds

@@ -12,7 +12,11 @@ namespace rds {
 
 Tracker::Tracker(const TrackerOptions& options, const PoseOptimizerOptions& pose, const ScalePyramid& pyramid,
                  const MovingProbabilities& probabilities)
-    : options_(options), pose_options_(pose), pyramid_(pyramid), probabilities_(probabilities) {}
+    : options_(options),
+      pose_options_(pose),
+      pyramid_(pyramid),
+      probabilities_(probabilities),
+      motion_(options.motion) {}
 
 TrackOutcome Tracker::Track(FrameId frame, double timestamp_s, std::shared_ptr<const FrameData> data,
                             std::shared_ptr<const LocalMap> map, const WorkerStatus& status, const LabelField* labels) {
@@ -28,7 +32,12 @@ TrackOutcome Tracker::Track(FrameId frame, double timestamp_s, std::shared_ptr<c
   current_.points.assign(current_.data->size(), PointId{});
   association_ = {};
   outliers_.clear();
-  keypoint_probabilities_ = labels != nullptr && last_.tracked ? LookUp(*labels) : std::vector<double>{};
+  current_from_last_ = motion_.Predict(timestamp_s - last_.timestamp_s);
+  keypoint_probabilities_.clear();
+  static_samples_.clear();
+  if (labels != nullptr && last_.tracked) {
+    LookUp(*labels);
+  }
   TrackOutcome outcome;
   if (map_ == nullptr) {
     outcome = Start(std::move(outcome));
@@ -38,9 +47,13 @@ TrackOutcome Tracker::Track(FrameId frame, double timestamp_s, std::shared_ptr<c
   return outcome;
 }
 
-std::vector<double> Tracker::LookUp(const LabelField& labels) const {
-  const Rigid3 expected = velocity_.value_or(Rigid3{}) * last_.camera_from_world;
-  return KeypointProbabilities(labels, *current_.data, expected * labels.camera_from_world.Inverse(), options_.surface);
+void Tracker::LookUp(const LabelField& labels) {
+  const Rigid3 expected = current_from_last_.value_or(Rigid3{}) * last_.camera_from_world;
+  const Rigid3 now_from_labels = expected * labels.camera_from_world.Inverse();
+  keypoint_probabilities_ = KeypointProbabilities(labels, *current_.data, now_from_labels, options_.surface);
+  if (options_.alignment.enabled) {
+    static_samples_ = StaticSamples(labels, *current_.data, now_from_labels, options_.alignment.step);
+  }
 }
 
 Association Tracker::Select(std::span<const PointMatch> matches) const {
@@ -56,6 +69,7 @@ void Tracker::TrackInMap(const WorkerStatus& status, bool map_changed, TrackOutc
   current_.camera_from_world = last_.camera_from_world;
   current_.reference = last_.reference;
   regaining_ = !last_.tracked;
+  Predict(outcome);
   const bool roughly = last_.tracked ? TrackLastFrame(outcome) || TrackReferenceKeyframe(outcome) : Regain(outcome);
   current_.tracked = roughly && TrackLocalMap(outcome);
   if (!current_.tracked) {
@@ -64,14 +78,15 @@ void Tracker::TrackInMap(const WorkerStatus& status, bool map_changed, TrackOutc
     current_.reference = last_.reference;
     current_.camera_from_reference = last_.camera_from_reference;
     std::ranges::fill(current_.points, PointId{});
-    velocity_.reset();
+    motion_.Forget();
     return;
   }
   if (regaining_) {
     frames_since_regained_ = 0;
-    velocity_.reset();
+    motion_.Forget();
   } else {
-    velocity_ = current_.camera_from_world * last_.camera_from_world.Inverse();
+    motion_.Observe(current_.camera_from_world * last_.camera_from_world.Inverse(),
+                    current_.timestamp_s - last_.timestamp_s);
   }
   for (const auto* matches : {&association_.used, &association_.set_aside}) {
     for (const PointMatch& match : *matches) {
@@ -107,6 +122,25 @@ void Tracker::Rebase() {
   }
 }
 
+// Surfaces say where the camera is without knowing a point; with semantics only static ones do.
+void Tracker::Predict(TrackOutcome* outcome) {
+  prior_.reset();
+  if (!current_from_last_ || !last_.tracked) {
+    return;
+  }
+  const Stopwatch watch;
+  current_.camera_from_world = *current_from_last_ * last_.camera_from_world;
+  prior_ = motion_.Prior(current_.camera_from_world, current_.timestamp_s - last_.timestamp_s);
+  const LocalKeyframe* reference = map_->Find(last_.reference);
+  if (prior_ && options_.alignment.enabled && reference != nullptr &&
+      !(options_.association.use_semantics && static_samples_.empty())) {
+    prior_ = AlignSurface(*current_.data, static_samples_, *reference->data, reference->camera_from_world, *prior_,
+                          options_.alignment);
+    current_.camera_from_world = prior_->camera_from_world;
+  }
+  outcome->pose_ms += watch.Milliseconds();
+}
+
 PoseObservation Tracker::Observe(const PointMatch& match) const {
   const Keypoint& keypoint = current_.data->keypoints()[match.keypoint];
   PoseObservation observation;
@@ -132,8 +166,8 @@ void Tracker::OptimizeUsed() {
   for (const PointMatch& match : association_.used) {
     observations.push_back(Observe(match));
   }
-  const PoseResult result =
-      OptimizePose(current_.data->camera(), current_.camera_from_world, observations, pose_options_);
+  const PoseResult result = OptimizePose(current_.data->camera(), current_.camera_from_world, observations,
+                                         pose_options_, prior_ ? &*prior_ : nullptr);
   current_.camera_from_world = result.camera_from_world;
   std::vector<PointMatch> inliers;
   inliers.reserve(association_.used.size());
@@ -159,7 +193,6 @@ bool Tracker::TrackLastFrame(TrackOutcome* outcome) {
       }
     }
   }
-  current_.camera_from_world = velocity_ ? *velocity_ * last_.camera_from_world : last_.camera_from_world;
   const auto search = [&](double window_px) {
     return SearchLastFrame(*last_.data, sightings, *current_.data, current_.camera_from_world, *map_, pyramid_,
                            window_px);
@@ -190,23 +223,15 @@ bool Tracker::TrackReferenceKeyframe(TrackOutcome* outcome) {
 bool Tracker::Regain(TrackOutcome* outcome) {
   Stopwatch watch;
   const Eigen::Vector3d last_centre = last_.camera_from_world.Inverse().translation;
-  std::vector<std::pair<double, const LocalKeyframe*>> nearest;
-  for (const LocalKeyframe& keyframe : map_->keyframes) {
-    nearest.emplace_back((keyframe.camera_from_world.Inverse().translation - last_centre).norm(), &keyframe);
-  }
-  const auto count = std::min<std::ptrdiff_t>(std::ssize(nearest), options_.regain_keyframes);
-  std::ranges::partial_sort(nearest, nearest.begin() + count, {},
-                            [](const auto& item) { return std::pair(item.first, item.second->id); });
-  for (std::ptrdiff_t i = 0; i < count; ++i) {
-    const LocalKeyframe& keyframe = *nearest[static_cast<std::size_t>(i)].second;
+  for (const LocalKeyframe* keyframe : NearestKeyframes(*map_, last_centre, options_.regain_keyframes)) {
     outliers_.clear();
-    std::vector<PointMatch> matches = MatchKeyframe(keyframe, *current_.data, options_.reference_ratio);
+    std::vector<PointMatch> matches = MatchKeyframe(*keyframe, *current_.data, options_.reference_ratio);
     const Association selected = Select(matches);
     if (std::ssize(selected.used) < options_.min_reference_matches) {
       continue;
     }
     const auto pose = RansacPose(*current_.data, selected.used, *map_, pyramid_, options_.min_motion_inliers);
-    current_.camera_from_world = pose ? *pose : keyframe.camera_from_world;
+    current_.camera_from_world = pose ? *pose : keyframe->camera_from_world;
     if (OptimizeFrom(matches, outcome) >= options_.min_motion_inliers) {
       outcome->matching_ms += watch.Milliseconds();
       return true;
@@ -288,24 +313,12 @@ bool Tracker::StandsFirm() const {
 }
 
 void Tracker::CountUse(const LocalSearch& search) {
-  if (!map_->ids.empty() && uses_.size() <= map_->ids.back().index()) {
-    uses_.resize(map_->ids.back().index() + 1);
-  }
-  const auto use_of = [&](std::uint32_t point) -> PointUse& {
-    const PointId id = map_->ids[point];
-    PointUse& use = uses_[id.index()];
-    if (!use.point.valid()) {
-      use.point = id;
-      used_ids_.push_back(id);
-    }
-    return use;
-  };
   for (const std::uint32_t point : search.visible) {
-    ++use_of(point).visible;
+    uses_.CountVisible(map_->ids[point]);
   }
   for (const auto* matches : {&association_.used, &association_.set_aside}) {
     for (const PointMatch& match : *matches) {
-      ++use_of(match.point).found;
+      uses_.CountFound(map_->ids[match.point]);
     }
   }
 }
@@ -375,18 +388,13 @@ KeyframeCandidate Tracker::MakeCandidate() {
     candidate.blocked.push_back(match.keypoint);
   }
   candidate.probabilities = std::move(keypoint_probabilities_);
-  for (const PointId id : used_ids_) {
-    candidate.uses.push_back(uses_[id.index()]);
-  }
+  candidate.uses = uses_.List();
   return candidate;
 }
 
 void Tracker::KeyframeTaken() {
   frames_since_keyframe_ = 0;
-  for (const PointId id : used_ids_) {
-    uses_[id.index()] = PointUse{};
-  }
-  used_ids_.clear();
+  uses_.Clear();
 }
 
 }  // namespace rds

@@ -13,7 +13,10 @@
 #include "semantic/moving_probability.h"
 #include "tracking/data_association.h"
 #include "tracking/keyframe_policy.h"
+#include "tracking/motion_model.h"
+#include "tracking/point_uses.h"
 #include "tracking/projection_search.h"
+#include "tracking/surface_alignment.h"
 
 namespace rds {
 
@@ -33,6 +36,8 @@ struct TrackerOptions {
   double close_baselines = 40;  // depth below so many baselines is close
   AssociationOptions association;
   SurfaceLabelOptions surface;  // of the labels that Track is given
+  MotionOptions motion;
+  SurfaceAlignmentOptions alignment;
   KeyframePolicyOptions policy;
 };
 
@@ -89,9 +94,11 @@ class Tracker {
   TrackOutcome Start(TrackOutcome outcome);
   void TrackInMap(const WorkerStatus& status, bool map_changed, TrackOutcome* outcome);
   [[nodiscard]] Association Select(std::span<const PointMatch> matches) const;
-  // What the labels say of the keypoints of the current frame, where a steady motion would have brought the camera.
-  [[nodiscard]] std::vector<double> LookUp(const LabelField& labels) const;
+  // What the labels say of the current frame, where a steady motion would have brought the camera.
+  void LookUp(const LabelField& labels);
   void Rebase();
+  // The pose to be expected, and what is known of it before anything is matched.
+  void Predict(TrackOutcome* outcome);
   bool TrackLastFrame(TrackOutcome* outcome);
   bool TrackReferenceKeyframe(TrackOutcome* outcome);
   bool Regain(TrackOutcome* outcome);
@@ -115,19 +122,21 @@ class Tracker {
   ScalePyramid pyramid_;
   const MovingProbabilities& probabilities_;
   std::vector<double> keypoint_probabilities_;  // of the current frame; empty without labels
+  std::vector<std::uint8_t> static_samples_;    // of its depth grid, those to be aligned; empty without labels
 
   std::shared_ptr<const LocalMap> map_;
   Frame last_;
   Frame current_;
-  std::optional<Rigid3> velocity_;  // current camera from last camera
-  Association association_;         // of the latest pose optimisation; `used` are inliers
+  MotionModel motion_;
+  std::optional<Rigid3> current_from_last_;  // as predicted
+  std::optional<PosePrior> prior_;           // of the current frame
+  Association association_;                  // of the latest pose optimisation; `used` are inliers
   std::vector<PointMatch> outliers_;
   bool started_ = false;
   bool regaining_ = false;
   int frames_since_keyframe_ = 0;
   int frames_since_regained_ = 1 << 20;
-  std::vector<PointUse> uses_;     // by point id, value-initialised where unused
-  std::vector<PointId> used_ids_;  // ids whose entry in uses_ is in use
+  PointUses uses_;
 };
 
 }  // namespace rds

@@ -1,0 +1,21 @@
+#include "optim/pose_prior.h"
+
+#include <Eigen/LU>
+
+namespace rds {
+
+Eigen::Matrix<double, 6, 1> PriorResidual(const PosePrior& prior, const Rigid3& camera_from_world,
+                                          Eigen::Matrix<double, 6, 6>* jacobian) {
+  const Rigid3 d = camera_from_world * prior.camera_from_world.Inverse();
+  Eigen::Matrix<double, 6, 1> residual;
+  residual << d.translation, LogSo3(d.rotation);
+  if (jacobian != nullptr) {
+    // d.translation = t - d.rotation t_mean
+    jacobian->setIdentity();
+    jacobian->topRightCorner<3, 3>() = CrossMatrix(camera_from_world.translation - d.translation);
+    jacobian->bottomRightCorner<3, 3>() = LeftJacobianSo3(residual.tail<3>()).inverse();
+  }
+  return residual;
+}
+
+}  // namespace rds

@@ -1,0 +1,21 @@
+// What is known of a pose before anything is matched.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "geometry/rigid3.h"
+
+namespace rds {
+
+// A Gaussian over poses: with d = pose * mean^-1, the camera's motion that the mean does not explain, PriorResidual =
+// (d.translation in metres, log d.rotation in radians) has zero mean and this information (inverse covariance).
+struct PosePrior {
+  Rigid3 camera_from_world;  // the mean
+  Eigen::Matrix<double, 6, 6> information = Eigen::Matrix<double, 6, 6>::Zero();
+};
+
+// The residual at a pose; with a Jacobian, its derivative by Perturb (geometry/rigid3.h), too.
+[[nodiscard]] Eigen::Matrix<double, 6, 1> PriorResidual(const PosePrior& prior, const Rigid3& camera_from_world,
+                                                        Eigen::Matrix<double, 6, 6>* jacobian = nullptr);
+
+}  // namespace rds

@@ -1,0 +1,43 @@
+#include "tracking/motion_model.h"
+
+#include <cmath>
+
+namespace rds {
+namespace {
+
+// What the two poses that a velocity is taken from are off themselves: no prior is better than that.
+constexpr double kPoseNoise_m = 0.002;
+constexpr double kPoseNoise_rad = 0.003;
+
+double Information(double acceleration, double seconds, double noise) {
+  const double change = acceleration * seconds * seconds;
+  return 1 / (change * change + noise * noise);
+}
+
+}  // namespace
+
+void MotionModel::Observe(const Rigid3& now_from_before, double seconds) {
+  now_from_before_ = now_from_before;
+  seconds_ = seconds;
+}
+
+std::optional<Rigid3> MotionModel::Predict(double seconds) const {
+  if (!now_from_before_) {
+    return std::nullopt;
+  }
+  const double share = seconds > 0 && seconds_ > 0 ? seconds / seconds_ : 1;
+  return Rigid3{ExpSo3(share * LogSo3(now_from_before_->rotation)), share * now_from_before_->translation};
+}
+
+std::optional<PosePrior> MotionModel::Prior(const Rigid3& predicted_camera_from_world, double seconds) const {
+  if (!(options_.acceleration_m_s2 > 0) || !now_from_before_ || !(seconds > 0)) {
+    return std::nullopt;
+  }
+  PosePrior prior{predicted_camera_from_world, {}};
+  prior.information.setZero();
+  prior.information.diagonal().head<3>().setConstant(Information(options_.acceleration_m_s2, seconds, kPoseNoise_m));
+  prior.information.diagonal().tail<3>().setConstant(Information(options_.turn_rad_s2, seconds, kPoseNoise_rad));
+  return prior;
+}
+
+}  // namespace rds

@@ -1,0 +1,37 @@
+// How a camera moves from frame to frame.
+#pragma once
+
+#include <optional>
+
+#include "geometry/rigid3.h"
+#include "optim/pose_prior.h"
+
+namespace rds {
+
+// A camera in a hand or on a robot: its velocity stays, but for accelerations of this size (standard deviation for
+// each axis). Measured on hand-held recordings at 30 Hz: 4.5 m/s^2 and 4 rad/s^2.
+struct MotionOptions {
+  double acceleration_m_s2 = 4.5;  // 0 = a pose stands on its matches alone
+  double turn_rad_s2 = 9;
+};
+
+// Constant velocity, with what it is worth. A value; no thread safety of its own.
+class MotionModel {
+ public:
+  explicit MotionModel(const MotionOptions& options) : options_(options) {}
+
+  // The camera moved so within so many seconds (not above 0: as long as any other step).
+  void Observe(const Rigid3& now_from_before, double seconds);
+  void Forget() { now_from_before_.reset(); }
+  // The motion to be expected within so many seconds; none if nothing was observed.
+  [[nodiscard]] std::optional<Rigid3> Predict(double seconds) const;
+  // How far a pose may be from its prediction over so many seconds; nothing where the options want no prior.
+  [[nodiscard]] std::optional<PosePrior> Prior(const Rigid3& predicted_camera_from_world, double seconds) const;
+
+ private:
+  MotionOptions options_;
+  std::optional<Rigid3> now_from_before_;
+  double seconds_ = 0;
+};
+
+}  // namespace rds

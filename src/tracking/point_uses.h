@@ -1,0 +1,27 @@
+// How often points were there to be seen, and found.
+#pragma once
+
+#include <vector>
+
+#include "base/ids.h"
+#include "map/keyframe_candidate.h"
+
+namespace rds {
+
+// Counts since the last keyframe, which takes them to the map. Not thread-safe.
+class PointUses {
+ public:
+  void CountVisible(PointId point) { ++Of(point).visible; }
+  void CountFound(PointId point) { ++Of(point).found; }
+  // All points that were counted, in the order in which they first were.
+  [[nodiscard]] std::vector<PointUse> List() const;
+  void Clear();
+
+ private:
+  PointUse& Of(PointId point);
+
+  std::vector<PointUse> uses_;  // by point id, value-initialised where unused
+  std::vector<PointId> used_;   // ids whose entry is in use
+};
+
+}  // namespace rds

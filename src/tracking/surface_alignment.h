@@ -1,0 +1,31 @@
+// The surfaces that two depth images see, laid over each other.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "feature/frame_data.h"
+#include "geometry/rigid3.h"
+#include "optim/pose_prior.h"
+
+namespace rds {
+
+struct SurfaceAlignmentOptions {
+  bool enabled = true;
+  int step = 2;            // every so many samples of the depth grid in each direction are laid over, from step / 2 on
+  double weight = 0.02;    // of each: neighbours err alike, and so does all of a depth image
+  int iterations = 4;      // of Gauss-Newton
+  int least_samples = 50;  // fewer that lie on a surface of the other view say nothing
+};
+
+// Lays the depth grid of a frame over that of another view: point to plane, with projective association (Blais and
+// Levine 1995; Chen and Medioni 1992), from the mean of the prior on and never far from it. Returns what is then known
+// of the pose of the frame: the prior itself if too little overlaps, and no more than the prior said along directions
+// that the surfaces leave free. `usable`: 1 for each sample of the frame that may be used; empty = all. Where points
+// are few, near or side by side, this keeps a pose from turning about them. Distortion of the lens, a few pixels and
+// the same in both views, is not taken out. Re-entrant.
+[[nodiscard]] PosePrior AlignSurface(const FrameData& frame, std::span<const std::uint8_t> usable,
+                                     const FrameData& view, const Rigid3& view_from_world, const PosePrior& prior,
+                                     const SurfaceAlignmentOptions& options);
+
+}  // namespace rds
