@@ -38,6 +38,8 @@ void BindTracking(TrackerOptions& options, OptionTable& table) {
   table.Real("tracking.acceleration_m_s2", options.motion.acceleration_m_s2, 0, 1000,
              "how much the velocity of the camera may change; poses stay near what that allows; 0 = anywhere");
   table.Real("tracking.turn_rad_s2", options.motion.turn_rad_s2, 0.1, 1000, "the same for turning");
+  table.Real("tracking.velocity_gain", options.motion.gain, 0.01, 1,
+             "share of the newest step in the velocity; 1 = it is the velocity");
   SurfaceAlignmentOptions& alignment = options.alignment;
   table.Flag("tracking.align_surfaces", alignment.enabled,
              "lay the surfaces of a frame, static ones with semantics, over those of its reference keyframe first");

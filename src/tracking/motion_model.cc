@@ -17,20 +17,24 @@ double Information(double acceleration, double seconds, double noise) {
 }  // namespace
 
 void MotionModel::Observe(const Rigid3& now_from_before, double seconds) {
-  now_from_before_ = now_from_before;
-  seconds_ = seconds;
+  if (!(seconds > 0)) {
+    return;
+  }
+  Eigen::Matrix<double, 6, 1> step;
+  step << now_from_before.translation, LogSo3(now_from_before.rotation);
+  const Eigen::Matrix<double, 6, 1> velocity = step / seconds;
+  velocity_ = velocity_ ? *velocity_ + options_.gain * (velocity - *velocity_) : velocity;
 }
 
 std::optional<Rigid3> MotionModel::Predict(double seconds) const {
-  if (!now_from_before_) {
+  if (!velocity_) {
     return std::nullopt;
   }
-  const double share = seconds > 0 && seconds_ > 0 ? seconds / seconds_ : 1;
-  return Rigid3{ExpSo3(share * LogSo3(now_from_before_->rotation)), share * now_from_before_->translation};
+  return Rigid3{ExpSo3(seconds * velocity_->tail<3>()), seconds * velocity_->head<3>()};
 }
 
 std::optional<PosePrior> MotionModel::Prior(const Rigid3& predicted_camera_from_world, double seconds) const {
-  if (!(options_.acceleration_m_s2 > 0) || !now_from_before_ || !(seconds > 0)) {
+  if (!(options_.acceleration_m_s2 > 0) || !velocity_ || !(seconds > 0)) {
     return std::nullopt;
   }
   PosePrior prior{predicted_camera_from_world, {}};

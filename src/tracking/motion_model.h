@@ -13,16 +13,18 @@ namespace rds {
 struct MotionOptions {
   double acceleration_m_s2 = 4.5;  // 0 = a pose stands on its matches alone
   double turn_rad_s2 = 9;
+  double gain = 0.5;  // of the newest step in the velocity; 1 = it is the velocity
 };
 
-// Constant velocity, with what it is worth. A value; no thread safety of its own.
+// Constant velocity in the frame of the camera, averaged over the last steps as each of them is as noisy as two poses;
+// and what it is worth. A value; no thread safety of its own.
 class MotionModel {
  public:
   explicit MotionModel(const MotionOptions& options) : options_(options) {}
 
-  // The camera moved so within so many seconds (not above 0: as long as any other step).
+  // The camera moved so within so many seconds (not above 0: nothing is learnt).
   void Observe(const Rigid3& now_from_before, double seconds);
-  void Forget() { now_from_before_.reset(); }
+  void Forget() { velocity_.reset(); }
   // The motion to be expected within so many seconds; none if nothing was observed.
   [[nodiscard]] std::optional<Rigid3> Predict(double seconds) const;
   // How far a pose may be from its prediction over so many seconds; nothing where the options want no prior.
@@ -30,8 +32,7 @@ class MotionModel {
 
  private:
   MotionOptions options_;
-  std::optional<Rigid3> now_from_before_;
-  double seconds_ = 0;
+  std::optional<Eigen::Matrix<double, 6, 1>> velocity_;  // (metres, radians) a second
 };
 
 }  // namespace rds

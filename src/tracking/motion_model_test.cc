@@ -31,10 +31,22 @@ TEST(MotionModel, GoesOnAsFastAsBefore) {
   EXPECT_NEAR(AngleOf(twice.rotation), 2 * AngleOf(kStep.rotation), 1e-9);
 }
 
-TEST(MotionModel, StepsWithoutTimeCountAsAnyOther) {
+TEST(MotionModel, AveragesTheLastSteps) {
+  MotionModel motion({.gain = 0.25});
+  motion.Observe(kStep, kFrame_s);
+  motion.Observe({}, kFrame_s);  // a jolt, or noise
+  EXPECT_LT((motion.Predict(kFrame_s)->translation - 0.75 * kStep.translation).norm(), 1e-12);
+  for (int i = 0; i < 50; ++i) {
+    motion.Observe({}, kFrame_s);
+  }
+  EXPECT_LT(motion.Predict(kFrame_s)->translation.norm(), 1e-6);
+}
+
+TEST(MotionModel, NothingIsLearntFromStepsWithoutTime) {
   MotionModel motion({});
   motion.Observe(kStep, 0);
-  EXPECT_LT((motion.Predict(kFrame_s)->translation - kStep.translation).norm(), 1e-12);
+  EXPECT_FALSE(motion.Predict(kFrame_s));
+  motion.Observe(kStep, kFrame_s);
   EXPECT_FALSE(motion.Prior({}, 0));
 }
 

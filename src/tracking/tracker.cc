@@ -213,6 +213,7 @@ bool Tracker::TrackReferenceKeyframe(TrackOutcome* outcome) {
   }
   Stopwatch watch;
   outliers_.clear();
+  prior_.reset();  // what was expected was wrong
   current_.camera_from_world = last_.camera_from_world;
   std::vector<PointMatch> matches = MatchKeyframe(*reference, *current_.data, options_.reference_ratio);
   outcome->matching_ms += watch.Milliseconds();
