@@ -13,7 +13,7 @@ namespace rds {
 struct SurfaceAlignmentOptions {
   bool enabled = true;
   int step = 2;            // every so many samples of the depth grid in each direction are laid over, from step / 2 on
-  double weight = 0.02;    // of each: neighbours err alike, and so does all of a depth image
+  double weight = 0.08;    // of each: neighbours err alike, and so does all of a depth image
   int iterations = 4;      // of Gauss-Newton
   int least_samples = 50;  // fewer that lie on a surface of the other view say nothing
 };
