@@ -49,6 +49,8 @@ std::span<const AblationVariant> AblationVariants() {
           "one start", "the frames before the first label are not tracked again", {"semantic.start_frames=0"}},
       AblationVariant{
           "unproven", "points weigh the same however few keyframes see them", {"tracking.proven_sightings=1"}},
+      AblationVariant{
+          "no edges", "keypoints where the depth jumps are trusted as much as others", {"orb.depth_edges=false"}},
       AblationVariant{"no alignment",
                       "the surfaces of a frame are not laid over those of its reference keyframe",
                       {"tracking.align_surfaces=false"}},

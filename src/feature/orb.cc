@@ -39,15 +39,35 @@ std::vector<std::size_t> FeaturesPerLevel(const OrbOptions& options) {
 
 bool IsDepth(std::uint16_t raw) { return raw != 0 && raw != std::numeric_limits<std::uint16_t>::max(); }
 
-void LookUpDepth(const PinholeCamera& camera, const Image16& depth, std::vector<Keypoint>& keypoints) {
+// Whether a surface ends next to a pixel of depth `raw`: it is much nearer or farther a few pixels away.
+bool IsAtEdge(const Image16& depth, int x, int y, std::uint16_t raw) {
+  constexpr int kReach_px = 6;
+  constexpr int kJumpShare = 10;  // a tenth of the depth
+  for (const int dy : {-kReach_px, 0, kReach_px}) {
+    for (const int dx : {-kReach_px, 0, kReach_px}) {
+      if (x + dx < 0 || y + dy < 0 || x + dx >= depth.width || y + dy >= depth.height) {
+        continue;
+      }
+      const std::uint16_t other = depth.At(x + dx, y + dy);
+      if (IsDepth(other) && std::abs(int{other} - int{raw}) > raw / kJumpShare) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+void LookUpDepth(const PinholeCamera& camera, const Image16& depth, bool edges, std::vector<Keypoint>& keypoints) {
   const auto bf = static_cast<float>(camera.Bf());
   const auto metres_per_unit = static_cast<float>(1 / camera.depth_scale);
   for (Keypoint& keypoint : keypoints) {
-    const std::uint16_t raw =
-        depth.At(static_cast<int>(std::lround(keypoint.raw_x)), static_cast<int>(std::lround(keypoint.raw_y)));
+    const auto x = static_cast<int>(std::lround(keypoint.raw_x));
+    const auto y = static_cast<int>(std::lround(keypoint.raw_y));
+    const std::uint16_t raw = depth.At(x, y);
     if (IsDepth(raw)) {
       keypoint.depth_m = static_cast<float>(raw) * metres_per_unit;
       keypoint.right_x = keypoint.x - bf / keypoint.depth_m;
+      keypoint.at_edge = edges && IsAtEdge(depth, x, y, raw);
     }
   }
 }
@@ -209,7 +229,7 @@ FrameData OrbExtractor::Extract(const PinholeCamera& camera, const Image8& image
     impl_->ExtractLevel(level, moving, keypoints, descriptors);
   }
   Undistort(camera, keypoints);
-  LookUpDepth(camera, depth, keypoints);
+  LookUpDepth(camera, depth, impl_->options.depth_edges, keypoints);
   return {camera, std::move(keypoints), std::move(descriptors), SampleDepth(camera, depth)};
 }
 

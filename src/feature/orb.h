@@ -16,6 +16,7 @@ struct OrbOptions {
   double scale_factor = 1.2;   // between levels
   int fast_threshold = 20;     // grey values
   int min_fast_threshold = 7;  // used in cells where the first threshold finds nothing
+  bool depth_edges = true;     // look for jumps of the depth around each keypoint
   double moving_share = 0.5;   // of `features`: keypoints wanted in addition where something moves
 };
 

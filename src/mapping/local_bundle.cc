@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <map>
 
+#include "feature/keypoint_observation.h"
+
 namespace rds {
 namespace {
 
@@ -52,17 +54,6 @@ std::vector<KeyframeId> SelectFixed(const Map& map, const std::vector<KeyframeId
   return chosen;
 }
 
-BundleProblem::Observation ToObservation(const Map& map, const Keyframe& keyframe, std::uint32_t keypoint_index,
-                                         double weight) {
-  const Keypoint& keypoint = keyframe.data->keypoints()[keypoint_index];
-  BundleProblem::Observation observation;
-  observation.keypoint.pixel = {static_cast<double>(keypoint.x), static_cast<double>(keypoint.y)};
-  observation.keypoint.right_x = static_cast<double>(keypoint.right_x);
-  observation.keypoint.inverse_sigma2 = map.pyramid().inverse_sigma2[keypoint.octave];
-  observation.keypoint.weight = weight;
-  return observation;
-}
-
 }  // namespace
 
 LocalBundle CopyLocalBundle(const Map& map, KeyframeId centre, bool semantics, const MovingProbabilities& probabilities,
@@ -109,10 +100,9 @@ LocalBundle CopyLocalBundle(const Map& map, KeyframeId centre, bool semantics, c
     for (const Sighting& sighting : point.sightings) {
       const auto pose = pose_of.find(sighting.keyframe);
       if (pose != pose_of.end()) {
-        auto observation = ToObservation(map, map.At(sighting.keyframe), sighting.keypoint, weight);
-        observation.pose = pose->second;
-        observation.point = static_cast<std::uint32_t>(kept.size());
-        bundle.problem.observations.push_back(observation);
+        const Keypoint& keypoint = map.At(sighting.keyframe).data->keypoints()[sighting.keypoint];
+        bundle.problem.observations.push_back(
+            {pose->second, static_cast<std::uint32_t>(kept.size()), ObservationOf(keypoint, map.pyramid(), weight)});
       }
     }
     const std::size_t added = bundle.problem.observations.size() - before;

@@ -2,6 +2,8 @@
 
 #include <numbers>
 
+#include "feature/keypoint_observation.h"
+
 namespace rds {
 namespace {
 
@@ -29,13 +31,7 @@ std::optional<SemanticPoseProblem> CopyStaticMatches(const Map& map, KeyframeId 
       continue;
     }
     const Keypoint& keypoint = keyframe->data->keypoints()[i];
-    PoseObservation observation;
-    observation.point_in_world = point.position;
-    observation.keypoint.pixel = {static_cast<double>(keypoint.x), static_cast<double>(keypoint.y)};
-    observation.keypoint.right_x = static_cast<double>(keypoint.right_x);
-    observation.keypoint.inverse_sigma2 = map.pyramid().inverse_sigma2[keypoint.octave];
-    observation.keypoint.weight = 1.0 - p;
-    problem.observations.push_back(observation);
+    problem.observations.push_back({point.position, ObservationOf(keypoint, map.pyramid(), 1.0 - p)});
   }
   if (std::ssize(problem.observations) < options.min_static) {
     return std::nullopt;

@@ -191,6 +191,8 @@ void BindOrb(OrbOptions& options, OptionTable& table) {
   table.Int("orb.fast_threshold", options.fast_threshold, 1, 255, "contrast of a FAST corner, in grey values");
   table.Int("orb.min_fast_threshold", options.min_fast_threshold, 1, 255,
             "contrast used where orb.fast_threshold finds nothing, in grey values");
+  table.Flag("orb.depth_edges", options.depth_edges,
+             "trust keypoints less around which the depth jumps: outlines that cross are no corners");
   table.Real("orb.moving_share", options.moving_share, 0, 10,
              "keypoints wanted in addition where something moves, as a share of orb.features");
 }

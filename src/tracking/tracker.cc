@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/time.h"
+#include "feature/keypoint_observation.h"
 #include "tracking/regain.h"
 
 namespace rds {
@@ -143,13 +144,7 @@ void Tracker::Predict(TrackOutcome* outcome) {
 
 PoseObservation Tracker::Observe(const PointMatch& match) const {
   const Keypoint& keypoint = current_.data->keypoints()[match.keypoint];
-  PoseObservation observation;
-  observation.point_in_world = map_->Position(match.point);
-  observation.keypoint.pixel = {static_cast<double>(keypoint.x), static_cast<double>(keypoint.y)};
-  observation.keypoint.right_x = static_cast<double>(keypoint.right_x);
-  observation.keypoint.inverse_sigma2 = pyramid_.inverse_sigma2[keypoint.octave];
-  observation.keypoint.weight = match.weight;
-  return observation;
+  return {map_->Position(match.point), ObservationOf(keypoint, pyramid_, match.weight)};
 }
 
 int Tracker::OptimizeFrom(std::span<const PointMatch> matches, TrackOutcome* outcome) {

@@ -1,0 +1,68 @@
+#include "feature/keypoint_observation.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "base/random.h"
+#include "feature/orb.h"
+#include "testing/view.h"
+
+namespace rds {
+namespace {
+
+// Corners everywhere: blocks of 4 x 4 pixels of random grey.
+Image8 Speckled(int width, int height) {
+  Random random(12);
+  Image8 image(width, height);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      image.At(x, y) = y % 4 != 0   ? image.At(x, y - 1)
+                       : x % 4 != 0 ? image.At(x - 1, y)
+                                    : static_cast<std::uint8_t>(random.Index(256));
+    }
+  }
+  return image;
+}
+
+TEST(OrbExtractor, FindsKeypointsWhereASurfaceEnds) {
+  const Image8 image = Speckled(640, 480);
+  Image16 depth(640, 480);
+  for (int y = 0; y < 480; ++y) {
+    for (int x = 0; x < 640; ++x) {  // a slope, a jump of a fifth, and a hole
+      depth.At(x, y) = static_cast<std::uint16_t>(x < 100 ? 0 : (x < 320 ? 1000 : 1200) + y / 4);
+    }
+  }
+  const auto edges_in = [&](const OrbOptions& options) {
+    int edges = 0;
+    for (const Keypoint& k : OrbExtractor(options).Extract(TestCamera(), image, depth).keypoints()) {
+      const auto x = static_cast<int>(std::lround(k.raw_x));
+      edges += k.at_edge ? 1 : 0;
+      EXPECT_EQ(k.at_edge, options.depth_edges && x >= 320 - 6 && x < 320 + 6) << x;
+    }
+    return edges;
+  };
+  OrbOptions without;
+  without.depth_edges = false;
+  EXPECT_GT(edges_in({}), 5);
+  EXPECT_EQ(edges_in(without), 0);
+}
+
+TEST(ObservationOf, SaysLessOfWhereASurfaceEnds) {
+  const ScalePyramid pyramid;
+  Keypoint keypoint;
+  keypoint.x = 10;
+  keypoint.y = 20;
+  keypoint.right_x = 5;
+  keypoint.octave = 2;
+  const PixelObservation firm = ObservationOf(keypoint, pyramid, 0.7);
+  EXPECT_EQ(firm.pixel, Eigen::Vector2d(10, 20));
+  EXPECT_EQ(firm.right_x, 5);
+  EXPECT_EQ(firm.weight, 0.7);
+  EXPECT_DOUBLE_EQ(firm.inverse_sigma2, pyramid.inverse_sigma2[2]);
+  keypoint.at_edge = true;
+  EXPECT_DOUBLE_EQ(ObservationOf(keypoint, pyramid, 0.7).inverse_sigma2, kEdgeInformation * firm.inverse_sigma2);
+}
+
+}  // namespace
+}  // namespace rds
