@@ -35,7 +35,8 @@ TEST(OrbExtractor, FindsKeypointsWhereASurfaceEnds) {
   }
   const auto edges_in = [&](const OrbOptions& options) {
     int edges = 0;
-    for (const Keypoint& k : OrbExtractor(options).Extract(TestCamera(), image, depth).keypoints()) {
+    const FrameData frame = OrbExtractor(options).Extract(TestCamera(), image, depth);
+    for (const Keypoint& k : frame.keypoints()) {
       const auto x = static_cast<int>(std::lround(k.raw_x));
       edges += k.at_edge ? 1 : 0;
       EXPECT_EQ(k.at_edge, options.depth_edges && x >= 320 - 6 && x < 320 + 6) << x;
