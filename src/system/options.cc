@@ -38,12 +38,9 @@ void BindTracking(TrackerOptions& options, OptionTable& table) {
   table.Real("tracking.acceleration_m_s2", options.motion.acceleration_m_s2, 0, 1000,
              "how much the velocity of the camera may change; poses stay near what that allows; 0 = anywhere");
   table.Real("tracking.turn_rad_s2", options.motion.turn_rad_s2, 0.1, 1000, "the same for turning");
-  table.Real("tracking.velocity_gain", options.motion.gain, 0.01, 1,
-             "share of the newest step in the velocity; 1 = it is the velocity");
   SurfaceAlignmentOptions& alignment = options.alignment;
   table.Flag("tracking.align_surfaces", alignment.enabled,
              "lay the surfaces of a frame, static ones with semantics, over those of its reference keyframe first");
-  table.Int("tracking.alignment_step", alignment.step, 1, 20, "every so many samples of the depth grid are laid over");
   table.Real("tracking.alignment_weight", alignment.weight, 1e-6, 1, "of each: errors of neighbours are alike");
   AssociationOptions& association = options.association;
   table.Flag("tracking.use_semantics", association.use_semantics,

@@ -8,6 +8,7 @@ namespace {
 // What the two poses that a velocity is taken from are off themselves: no prior is better than that.
 constexpr double kPoseNoise_m = 0.002;
 constexpr double kPoseNoise_rad = 0.003;
+constexpr double kGain = 0.5;  // share of the newest step in the velocity
 
 double Information(double acceleration, double seconds, double noise) {
   const double change = acceleration * seconds * seconds;
@@ -23,7 +24,7 @@ void MotionModel::Observe(const Rigid3& now_from_before, double seconds) {
   Eigen::Matrix<double, 6, 1> step;
   step << now_from_before.translation, LogSo3(now_from_before.rotation);
   const Eigen::Matrix<double, 6, 1> velocity = step / seconds;
-  velocity_ = velocity_ ? *velocity_ + options_.gain * (velocity - *velocity_) : velocity;
+  velocity_ = velocity_ ? *velocity_ + kGain * (velocity - *velocity_) : velocity;
 }
 
 std::optional<Rigid3> MotionModel::Predict(double seconds) const {

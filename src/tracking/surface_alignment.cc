@@ -12,6 +12,8 @@ namespace {
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
+constexpr int kIterations = 4;     // of Gauss-Newton
+constexpr int kLeastSamples = 50;  // fewer that lie on a surface of the other view say nothing
 constexpr float kNearest_m = 0.3F;
 constexpr float kFarthest_m = 4;  // depth says little beyond
 constexpr double kGate = 0.04;    // share of the depth by which a sample may be off a plane that it is said to lie on
@@ -68,12 +70,11 @@ struct Sample {
   double sigma_m = 0;
 };
 
-std::vector<Sample> CollectSamples(const FrameData& frame, std::span<const std::uint8_t> usable,
-                                   const SurfaceAlignmentOptions& options) {
+std::vector<Sample> CollectSamples(const FrameData& frame, std::span<const std::uint8_t> usable) {
   const DepthGrid& grid = frame.depth_grid();
   std::vector<Sample> samples;
-  for (int row = options.step / 2; row < grid.rows; row += options.step) {
-    for (int column = options.step / 2; column < grid.columns; column += options.step) {
+  for (int row = kAlignmentStep / 2; row < grid.rows; row += kAlignmentStep) {
+    for (int column = kAlignmentStep / 2; column < grid.columns; column += kAlignmentStep) {
       const auto i = static_cast<std::size_t>(row * grid.columns + column);
       const float depth_m = grid.depth_m[i];
       if (depth_m > kNearest_m && depth_m < kFarthest_m && (usable.empty() || usable[i] != 0)) {
@@ -130,14 +131,14 @@ Fit Evaluate(const std::vector<Sample>& samples, const FrameData& view, const Ri
 
 PosePrior AlignSurface(const FrameData& frame, std::span<const std::uint8_t> usable, const FrameData& view,
                        const Rigid3& view_from_world, const PosePrior& prior, const SurfaceAlignmentOptions& options) {
-  const std::vector<Sample> samples = CollectSamples(frame, usable, options);
+  const std::vector<Sample> samples = CollectSamples(frame, usable);
   PosePrior result = prior;
   for (int iteration = 0;; ++iteration) {
     const Fit fit = Evaluate(samples, view, view_from_world * result.camera_from_world.Inverse(), options.weight);
-    if (fit.samples < options.least_samples) {
+    if (fit.samples < kLeastSamples) {
       return prior;
     }
-    if (iteration == options.iterations) {
+    if (iteration == kIterations) {
       result.information += fit.hessian;
       return result;
     }

@@ -12,11 +12,11 @@ namespace rds {
 
 struct SurfaceAlignmentOptions {
   bool enabled = true;
-  int step = 2;            // every so many samples of the depth grid in each direction are laid over, from step / 2 on
-  double weight = 0.08;    // of each: neighbours err alike, and so does all of a depth image
-  int iterations = 4;      // of Gauss-Newton
-  int least_samples = 50;  // fewer that lie on a surface of the other view say nothing
+  double weight = 0.08;  // of each sample: neighbours err alike, and so does all of a depth image
 };
+
+// Every so many samples of the depth grid in each direction are laid over, from half of it on.
+inline constexpr int kAlignmentStep = 2;
 
 // Lays the depth grid of a frame over that of another view: point to plane, with projective association (Blais and
 // Levine 1995; Chen and Medioni 1992), from the mean of the prior on and never far from it. Returns what is then known

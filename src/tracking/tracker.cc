@@ -33,7 +33,6 @@ TrackOutcome Tracker::Track(FrameId frame, double timestamp_s, std::shared_ptr<c
   current_.points.assign(current_.data->size(), PointId{});
   association_ = {};
   outliers_.clear();
-  current_from_last_ = motion_.Predict(timestamp_s - last_.timestamp_s);
   keypoint_probabilities_.clear();
   static_samples_.clear();
   if (labels != nullptr && last_.tracked) {
@@ -49,11 +48,12 @@ TrackOutcome Tracker::Track(FrameId frame, double timestamp_s, std::shared_ptr<c
 }
 
 void Tracker::LookUp(const LabelField& labels) {
-  const Rigid3 expected = current_from_last_.value_or(Rigid3{}) * last_.camera_from_world;
+  const Rigid3 expected =
+      motion_.Predict(current_.timestamp_s - last_.timestamp_s).value_or(Rigid3{}) * last_.camera_from_world;
   const Rigid3 now_from_labels = expected * labels.camera_from_world.Inverse();
   keypoint_probabilities_ = KeypointProbabilities(labels, *current_.data, now_from_labels, options_.surface);
   if (options_.alignment.enabled) {
-    static_samples_ = StaticSamples(labels, *current_.data, now_from_labels, options_.alignment.step);
+    static_samples_ = StaticSamples(labels, *current_.data, now_from_labels, kAlignmentStep);
   }
 }
 
@@ -126,12 +126,14 @@ void Tracker::Rebase() {
 // Surfaces say where the camera is without knowing a point; with semantics only static ones do.
 void Tracker::Predict(TrackOutcome* outcome) {
   prior_.reset();
-  if (!current_from_last_ || !last_.tracked) {
+  const double seconds = current_.timestamp_s - last_.timestamp_s;
+  const auto current_from_last = motion_.Predict(seconds);
+  if (!current_from_last) {
     return;
   }
   const Stopwatch watch;
-  current_.camera_from_world = *current_from_last_ * last_.camera_from_world;
-  prior_ = motion_.Prior(current_.camera_from_world, current_.timestamp_s - last_.timestamp_s);
+  current_.camera_from_world = *current_from_last * last_.camera_from_world;
+  prior_ = motion_.Prior(current_.camera_from_world, seconds);
   const LocalKeyframe* reference = map_->Find(last_.reference);
   if (prior_ && options_.alignment.enabled && reference != nullptr &&
       !(options_.association.use_semantics && static_samples_.empty())) {

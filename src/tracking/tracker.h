@@ -128,9 +128,8 @@ class Tracker {
   Frame last_;
   Frame current_;
   MotionModel motion_;
-  std::optional<Rigid3> current_from_last_;  // as predicted
-  std::optional<PosePrior> prior_;           // of the current frame
-  Association association_;                  // of the latest pose optimisation; `used` are inliers
+  std::optional<PosePrior> prior_;  // of the current frame
+  Association association_;         // of the latest pose optimisation; `used` are inliers
   std::vector<PointMatch> outliers_;
   bool started_ = false;
   bool regaining_ = false;
