@@ -60,6 +60,13 @@ struct DepthGrid {
   std::vector<float> depth_m;  // 0 = no depth
 };
 
+// What is known of a sample's surface.
+enum class SampleMotion : std::uint8_t {
+  kNone,
+  kBeside,  // next to a sample of what moves
+  kMoves,
+};
+
 // Immutable features of one frame: keypoints, descriptors and a grid over the image for window searches.
 // Built once, then only read: safe to share between threads by shared_ptr<const FrameData>.
 class FrameData {

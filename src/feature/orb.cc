@@ -19,6 +19,10 @@ namespace {
 // Distance of keypoints from the edges of their level: patch and radius of the blur, and a pixel of rounding.
 constexpr int kBorder = kPatchRadius + 3 + 1;
 
+// Of what moves only a few keypoints are described, and coarse ones: poses do not stand on them, but they show what
+// comes to rest and what a network calls a person by mistake.
+constexpr std::size_t kFirstMovingLevel = 3;
+
 // Keypoints wanted of each level: falls with the scale, as the perimeter of the image does.
 std::vector<std::size_t> FeaturesPerLevel(const OrbOptions& options) {
   double sum = 0;
@@ -120,6 +124,7 @@ struct OrbExtractor::Impl {
   CornerSelector selector;
   std::vector<Corner> corners;
   std::vector<Corner> moving_corners;
+  std::vector<Corner> beside_corners;
 
   explicit Impl(const OrbOptions& options_)
       : options(options_),
@@ -128,38 +133,44 @@ struct OrbExtractor::Impl {
         levels(static_cast<std::size_t>(options_.levels)),
         shrinkers(static_cast<std::size_t>(options_.levels)) {}
 
-  void ExtractLevel(std::size_t level, std::span<const std::uint8_t> moving, std::vector<Keypoint>& keypoints,
+  void ExtractLevel(std::size_t level, std::span<const SampleMotion> motion, std::vector<Keypoint>& keypoints,
                     std::vector<Descriptor>& descriptors);
-  void Select(std::size_t level, std::span<const std::uint8_t> moving);
+  void Select(std::size_t level, std::span<const SampleMotion> motion);
 };
 
 // Leaves the corners of a level that become keypoints.
-void OrbExtractor::Impl::Select(std::size_t level, std::span<const std::uint8_t> moving) {
+void OrbExtractor::Impl::Select(std::size_t level, std::span<const SampleMotion> motion) {
   const int width = levels[level].width();
   const int height = levels[level].height();
   selector.DropWeak(width, height, static_cast<std::uint8_t>(options.fast_threshold), corners);
   moving_corners.clear();
-  if (!moving.empty()) {
+  beside_corners.clear();
+  if (!motion.empty()) {
     const int columns = levels[0].width() / kDepthGridStep;
     const int rows = levels[0].height() / kDepthGridStep;
     const float cells_per_px = pyramid.scale[level] / kDepthGridStep;
     std::erase_if(corners, [&](const Corner& corner) {
       const int column = std::min(static_cast<int>(static_cast<float>(corner.x) * cells_per_px), columns - 1);
       const int row = std::min(static_cast<int>(static_cast<float>(corner.y) * cells_per_px), rows - 1);
-      const bool moves = moving[static_cast<std::size_t>(row * columns + column)] != 0;
-      if (moves) {
-        moving_corners.push_back(corner);
+      const SampleMotion here = motion[static_cast<std::size_t>(row * columns + column)];
+      if (here != SampleMotion::kNone) {
+        (here == SampleMotion::kMoves ? moving_corners : beside_corners).push_back(corner);
       }
-      return moves;
+      return here != SampleMotion::kNone;
     });
   }
-  selector.Spread(width, height, features_per_level[level], corners);
-  const double moving_wanted = options.moving_share * static_cast<double>(features_per_level[level]);
-  selector.Spread(width, height, static_cast<std::size_t>(std::lround(moving_wanted)), moving_corners);
+  const auto spread = [&](double share, std::vector<Corner>& some) {
+    const double wanted = share * static_cast<double>(features_per_level[level]);
+    selector.Spread(width, height, static_cast<std::size_t>(std::lround(wanted)), some);
+  };
+  spread(1, corners);
+  spread(level < kFirstMovingLevel ? 0 : options.moving_share, moving_corners);
+  spread(options.beside_share, beside_corners);
   corners.insert(corners.end(), moving_corners.begin(), moving_corners.end());
+  corners.insert(corners.end(), beside_corners.begin(), beside_corners.end());
 }
 
-void OrbExtractor::Impl::ExtractLevel(std::size_t level, std::span<const std::uint8_t> moving,
+void OrbExtractor::Impl::ExtractLevel(std::size_t level, std::span<const SampleMotion> motion,
                                       std::vector<Keypoint>& keypoints, std::vector<Descriptor>& descriptors) {
   const GreyPlane& image = levels[level];
   const int inner_width = image.width() - 2 * kBorder;
@@ -168,7 +179,7 @@ void OrbExtractor::Impl::ExtractLevel(std::size_t level, std::span<const std::ui
     return;
   }
   detector.Detect(image, static_cast<std::uint8_t>(options.min_fast_threshold), kBorder, corners);
-  Select(level, moving);
+  Select(level, motion);
   if (corners.empty()) {
     return;
   }
@@ -188,8 +199,8 @@ void OrbExtractor::Impl::ExtractLevel(std::size_t level, std::span<const std::ui
 }
 
 OrbExtractor::OrbExtractor(const OrbOptions& options) {
-  Check(options.features >= 0 &&
-            options.features * (1 + options.moving_share) < std::numeric_limits<std::uint16_t>::max(),
+  Check(options.features >= 0 && options.features * (1 + options.moving_share + options.beside_share) <
+                                     std::numeric_limits<std::uint16_t>::max(),
         "fewer than 65535 features");
   Check(options.levels > 0 && options.levels <= 255 && options.scale_factor > 1 && options.scale_factor <= 4,
         "a pyramid has levels that shrink, by at most 4");
@@ -204,14 +215,14 @@ OrbExtractor::~OrbExtractor() = default;
 const ScalePyramid& OrbExtractor::pyramid() const { return impl_->pyramid; }
 
 FrameData OrbExtractor::Extract(const PinholeCamera& camera, const Image8& image, const Image16& depth,
-                                std::span<const std::uint8_t> moving) {
+                                std::span<const SampleMotion> motion) {
   Check(image.width == camera.width && image.height == camera.height && (image.channels == 1 || image.channels == 3),
         "a grey or BGR image of the camera's size");
   Check(depth.width == camera.width && depth.height == camera.height && depth.channels == 1,
         "a depth image of the camera's size");
   Check(std::max(image.width, image.height) <= std::numeric_limits<std::int16_t>::max(),
         "an image of at most 32767 pixels a side");
-  Check(moving.empty() || std::ssize(moving) == (image.width / kDepthGridStep) * (image.height / kDepthGridStep),
+  Check(motion.empty() || std::ssize(motion) == (image.width / kDepthGridStep) * (image.height / kDepthGridStep),
         "a mark for each sample of the depth grid");
   std::vector<Keypoint> keypoints;
   std::vector<Descriptor> descriptors;
@@ -226,7 +237,7 @@ FrameData OrbExtractor::Extract(const PinholeCamera& camera, const Image8& image
       }
       impl_->shrinkers[level].Shrink(larger, impl_->options.scale_factor, impl_->levels[level]);
     }
-    impl_->ExtractLevel(level, moving, keypoints, descriptors);
+    impl_->ExtractLevel(level, motion, keypoints, descriptors);
   }
   Undistort(camera, keypoints);
   LookUpDepth(camera, depth, impl_->options.depth_edges, keypoints);

@@ -17,7 +17,8 @@ struct OrbOptions {
   int fast_threshold = 20;     // grey values
   int min_fast_threshold = 7;  // used in cells where the first threshold finds nothing
   bool depth_edges = true;     // look for jumps of the depth around each keypoint
-  double moving_share = 0.5;   // of `features`: keypoints wanted in addition where something moves
+  double moving_share = 0.1;   // of each coarse level's: keypoints wanted in addition on what moves
+  double beside_share = 0.15;  // of each level's: those wanted in addition beside it
 };
 
 // Extracts ORB features (Rublee et al., "ORB: an efficient alternative to SIFT or SURF", ICCV 2011) and looks up their
@@ -32,11 +33,11 @@ class OrbExtractor {
   [[nodiscard]] const ScalePyramid& pyramid() const;
 
   // Features of a frame; `image` is grey or BGR, both images have the camera's size (else InvariantError). Never throws
-  // on image content: a black image gives no features. `moving` marks the samples of the depth grid (1 each, or none at
-  // all) around which something moves: corners there have a budget of their own, so that people take no features from
-  // the room behind them.
+  // on image content: a black image gives no features. `motion` is that of the samples of the depth grid (or empty):
+  // corners on what moves and beside it have budgets of their own, so that people take no features from the room behind
+  // them.
   [[nodiscard]] FrameData Extract(const PinholeCamera& camera, const Image8& image, const Image16& depth,
-                                  std::span<const std::uint8_t> moving = {});
+                                  std::span<const SampleMotion> motion = {});
 
  private:
   struct Impl;

@@ -128,34 +128,34 @@ TEST(OrbExtractor, SpreadsFeaturesOverTheImage) {
   }
 }
 
-// Marks for all samples of the depth grid left of a column of the image.
-std::vector<std::uint8_t> MovingLeftOf(int x, int width, int height) {
-  const int columns = width / kDepthGridStep;
-  std::vector<std::uint8_t> moving;
-  for (int i = 0; i < columns * (height / kDepthGridStep); ++i) {
-    moving.push_back(i % columns * kDepthGridStep < x ? 1 : 0);
+// Marks all samples of the depth grid left of the middle of an image of 640 by 480.
+std::vector<SampleMotion> MarkLeft(SampleMotion motion) {
+  constexpr int kColumns = 640 / kDepthGridStep;
+  std::vector<SampleMotion> marks;
+  for (int i = 0; i < kColumns * (480 / kDepthGridStep); ++i) {
+    marks.push_back(i % kColumns < kColumns / 2 ? motion : SampleMotion::kNone);
   }
-  return moving;
+  return marks;
 }
 
 TEST(OrbExtractor, WhatMovesTakesNoFeaturesFromTheRest) {
   OrbOptions options;
   options.features = 600;
-  options.moving_share = 0.25;
+  options.moving_share = options.beside_share = 0.25;
   OrbExtractor extractor(options);
   const cv::Mat image = Textured(640, 480, 2);
-  const auto count_left = [&](std::span<const std::uint8_t> moving) {
-    const FrameData frame = extractor.Extract(CameraOf(640, 480), ToImage(image), Image16(640, 480), moving);
+  const auto count_left = [&](std::span<const SampleMotion> motion) {
+    const FrameData frame = extractor.Extract(CameraOf(640, 480), ToImage(image), Image16(640, 480), motion);
     const auto left = std::ranges::count_if(frame.keypoints(), [](const Keypoint& k) { return k.raw_x < 318; });
     return std::pair(static_cast<int>(left), static_cast<int>(frame.size()) - static_cast<int>(left));
   };
-  const auto [left_before, right_before] = count_left({});
-  EXPECT_GT(left_before, 240);
-  const auto [left, right] = count_left(MovingLeftOf(320, 640, 480));
+  const auto [beside, right] = count_left(MarkLeft(SampleMotion::kBeside));
   EXPECT_GT(right, 570);  // but for what the coarse levels cannot give
-  EXPECT_GT(left, 140);
-  EXPECT_LE(left, 150 + 8);
-  EXPECT_THROW(count_left(std::vector<std::uint8_t>(7)), InvariantError);
+  EXPECT_NEAR(beside, 150, 9);
+  const auto [moving, rest] = count_left(MarkLeft(SampleMotion::kMoves));
+  EXPECT_EQ(rest, right);
+  EXPECT_NEAR(moving, 65, 10);  // of the coarse levels, which have less than half
+  EXPECT_THROW(count_left(std::vector<SampleMotion>(7)), InvariantError);
 }
 
 TEST(OrbExtractor, FillsAllLevels) {

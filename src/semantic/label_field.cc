@@ -64,22 +64,23 @@ SurfaceLabel LabelAt(const LabelField& field, const GridPlace& place) {
   return label.IsKnown() && IsCarried(label, found->moved) ? label : SurfaceLabel{};
 }
 
-std::vector<std::uint8_t> MarkMoving(const DepthGrid& grid, std::span<const SurfaceLabel> labels) {
-  std::vector<std::uint8_t> moving;
+std::vector<SampleMotion> MarkMoving(const DepthGrid& grid, std::span<const SurfaceLabel> labels) {
+  std::vector<SampleMotion> motion;
   for (int row = 0; row < grid.rows; ++row) {
     for (int column = 0; column < grid.columns; ++column) {
       if (!labels[static_cast<std::size_t>(row * grid.columns + column)].dynamic) {
         continue;
       }
-      moving.resize(labels.size());
+      motion.resize(labels.size());
       for (int y = std::max(row - 1, 0); y <= std::min(row + 1, grid.rows - 1); ++y) {
         for (int x = std::max(column - 1, 0); x <= std::min(column + 1, grid.columns - 1); ++x) {
-          moving[static_cast<std::size_t>(y * grid.columns + x)] = 1;
+          SampleMotion& here = motion[static_cast<std::size_t>(y * grid.columns + x)];
+          here = std::max(here, y == row && x == column ? SampleMotion::kMoves : SampleMotion::kBeside);
         }
       }
     }
   }
-  return moving;
+  return motion;
 }
 
 }  // namespace
@@ -195,7 +196,7 @@ std::shared_ptr<const LabelField> LabelCarrier::Next(FrameId frame, const FrameD
   field->camera_from_world = camera_from_world;
   field->grid = now.grid;
   field->labels = labels_;
-  field->moving = MarkMoving(now.grid, labels_);
+  field->motion = MarkMoving(now.grid, labels_);
   if (history_.size() > kLongestHistory) {
     history_.pop_front();
   }

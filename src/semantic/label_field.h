@@ -28,8 +28,7 @@ struct LabelField {
   Rigid3 camera_from_world;
   DepthGrid grid;
   std::vector<SurfaceLabel> labels;  // of each sample of the grid
-  // 1 for each sample of the grid that is dynamic or next to one that is; empty if nothing is.
-  std::vector<std::uint8_t> moving;
+  std::vector<SampleMotion> motion;  // of each sample, for the extractor; empty if nothing moves
 };
 
 // Moving probability of each keypoint of a later frame of the same camera, by the labels of the surface that it lies

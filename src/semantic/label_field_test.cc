@@ -60,7 +60,7 @@ TEST(LabelCarrier, NothingIsKnownBeforeTheFirstLabel) {
   const auto field = Walk(carrier, 3, 1, {});
   EXPECT_EQ(field->frame, FrameId{2});
   EXPECT_TRUE(std::ranges::none_of(field->labels, &SurfaceLabel::IsKnown));
-  EXPECT_TRUE(field->moving.empty());
+  EXPECT_TRUE(field->motion.empty());
 }
 
 TEST(LabelCarrier, ALabelIsAtItsPlaceInItsOwnFrame) {
@@ -161,16 +161,17 @@ TEST(LabelCarrier, AddsWhatHasMovedInThroughSpace) {
   }
 }
 
-TEST(LabelCarrier, MarksWhereSomethingMovesWithASampleAround) {
+TEST(LabelCarrier, MarksWhatMovesAndTheSamplesBesideIt) {
   LabelCarrier carrier({}, NoSpace());
   const auto field = Walk(carrier, 1, 0, {Labelled(0, {20, 40})});
-  ASSERT_EQ(field->moving.size(), field->labels.size());
-  EXPECT_EQ(field->moving[SampleAt(18, kRow)], 0);
-  EXPECT_EQ(field->moving[SampleAt(19, kRow)], 1);
-  EXPECT_EQ(field->moving[SampleAt(30, 9)], 1);
-  EXPECT_EQ(field->moving[SampleAt(30, 8)], 0);
-  EXPECT_EQ(field->moving[SampleAt(40, kRow)], 1);
-  EXPECT_EQ(field->moving[SampleAt(41, kRow)], 0);
+  ASSERT_EQ(field->motion.size(), field->labels.size());
+  EXPECT_EQ(field->motion[SampleAt(18, kRow)], SampleMotion::kNone);
+  EXPECT_EQ(field->motion[SampleAt(19, kRow)], SampleMotion::kBeside);
+  EXPECT_EQ(field->motion[SampleAt(20, kRow)], SampleMotion::kMoves);
+  EXPECT_EQ(field->motion[SampleAt(30, 9)], SampleMotion::kBeside);
+  EXPECT_EQ(field->motion[SampleAt(30, 8)], SampleMotion::kNone);
+  EXPECT_EQ(field->motion[SampleAt(40, kRow)], SampleMotion::kBeside);
+  EXPECT_EQ(field->motion[SampleAt(41, kRow)], SampleMotion::kNone);
 }
 
 TEST(LabelCarrier, ALabelOfAFrameItNeverSawOrForgotSaysNothing) {

@@ -191,7 +191,9 @@ void BindOrb(OrbOptions& options, OptionTable& table) {
   table.Flag("orb.depth_edges", options.depth_edges,
              "trust keypoints less around which the depth jumps: outlines that cross are no corners");
   table.Real("orb.moving_share", options.moving_share, 0, 10,
-             "keypoints wanted in addition where something moves, as a share of orb.features");
+             "keypoints wanted in addition on what moves, as a share of those of each coarse level");
+  table.Real("orb.beside_share", options.beside_share, 0, 10,
+             "keypoints wanted in addition right beside it, as a share of those of each level");
 }
 
 void BindPose(PoseOptimizerOptions& options, OptionTable& table) {

@@ -262,7 +262,7 @@ FrameResult Slam::Impl::Process(const RgbdFrame& frame) {
   }
   const std::shared_ptr<const LabelField> labels = follower_ ? follower_->Newest() : nullptr;
   auto data = std::make_shared<const FrameData>(extractor_.Extract(
-      camera_, *frame.image, *frame.depth, labels ? std::span(labels->moving) : std::span<const std::uint8_t>()));
+      camera_, *frame.image, *frame.depth, labels ? std::span(labels->motion) : std::span<const SampleMotion>()));
   result.timing.extraction_ms = watch.Milliseconds();
   const TrackOutcome outcome = tracker_->Track(result.frame, frame.timestamp_s, data,
                                                shared_->pipeline.CurrentLocalMap(), Status(), labels.get());

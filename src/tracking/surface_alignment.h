@@ -12,7 +12,7 @@ namespace rds {
 
 struct SurfaceAlignmentOptions {
   bool enabled = true;
-  double weight = 0.08;  // of each sample: neighbours err alike, and so does all of a depth image
+  double weight = 0.04;  // of each sample: neighbours err alike, and so does all of a depth image
 };
 
 // Every so many samples of the depth grid in each direction are laid over, from half of it on.

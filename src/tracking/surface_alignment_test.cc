@@ -62,7 +62,7 @@ const Rigid3 kMoved{ExpSo3({0.01, -0.02, 0.015}), {0.02, -0.01, 0.03}};
 
 TEST(AlignSurface, FindsHowTheCameraMovedBeforeACorner) {
   const auto view = SeePlanes(kCorner, {});
-  const PosePrior prior = Within({}, 0.05, 0.05);
+  const PosePrior prior = Within({}, 0.1, 0.1);
   const PosePrior found = AlignSurface(*SeePlanes(kCorner, kMoved), {}, *view, {}, prior, {});
   EXPECT_LT(DistanceBetween(found.camera_from_world, kMoved), 0.002);
   EXPECT_LT(AngleBetween(found.camera_from_world, kMoved), 0.001);
@@ -75,7 +75,7 @@ TEST(AlignSurface, TakesTheViewWhereItIsInTheWorld) {
   const Rigid3 view_from_world{ExpSo3({0.05, -0.1, -0.02}), {0.1, 0.05, -0.1}};
   const Rigid3 frame_from_world = kMoved * view_from_world;
   const PosePrior found = AlignSurface(*SeePlanes(kCorner, frame_from_world), {}, *SeePlanes(kCorner, view_from_world),
-                                       view_from_world, Within(view_from_world, 0.05, 0.05), {});
+                                       view_from_world, Within(view_from_world, 0.1, 0.1), {});
   EXPECT_LT(DistanceBetween(found.camera_from_world, frame_from_world), 0.002);
   EXPECT_LT(AngleBetween(found.camera_from_world, frame_from_world), 0.001);
 }
