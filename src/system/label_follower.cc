@@ -35,4 +35,9 @@ void LabelFollower::Offer(TrackedFrame frame) {
   }
 }
 
+std::shared_ptr<const LabelField> LabelFollower::Newest(FrameId frame) const {
+  auto labels = newest_.Get();
+  return labels && frame.value - labels->frame.value <= kOldest_frames ? labels : nullptr;
+}
+
 }  // namespace rds

@@ -28,11 +28,12 @@ class LabelFollower {
 
   // Frames ascend. Never waits: where the thread is far behind, the frame is left out. Throws what the thread threw.
   void Offer(TrackedFrame frame);
-  // Null before the first.
-  [[nodiscard]] std::shared_ptr<const LabelField> Newest() const { return newest_.Get(); }
+  // For a frame. Null before the first, and where they are too old: what moves is elsewhere by then.
+  [[nodiscard]] std::shared_ptr<const LabelField> Newest(FrameId frame) const;
 
  private:
   static constexpr std::size_t kMostWaiting = 64;
+  static constexpr std::uint32_t kOldest_frames = 6;
 
   void Follow(const TrackedFrame& frame);
 

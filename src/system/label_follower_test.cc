@@ -16,7 +16,7 @@ LabelFollower::TrackedFrame Frame(std::uint32_t frame) { return {FrameId{frame},
 // Waits for the labels of a frame, a few seconds at most.
 bool Arrives(const LabelFollower& follower, FrameId frame) {
   for (int i = 0; i < 5000; ++i) {
-    const auto newest = follower.Newest();
+    const auto newest = follower.Newest(frame);
     if (newest && newest->frame == frame) {
       return true;
     }
@@ -27,7 +27,7 @@ bool Arrives(const LabelFollower& follower, FrameId frame) {
 
 TEST(LabelFollowerTest, PublishesTheLabelsOfTheNewestFrame) {
   LabelFollower follower({}, {}, false);
-  EXPECT_EQ(follower.Newest(), nullptr);
+  EXPECT_EQ(follower.Newest(FrameId{0}), nullptr);
   for (const std::uint32_t frame : {0U, 1U, 5U}) {
     follower.Offer(Frame(frame));
     EXPECT_TRUE(Arrives(follower, FrameId{frame}));
@@ -38,9 +38,11 @@ TEST(LabelFollowerTest, WorksAtOnceInLockstep) {
   LabelFollower follower({}, {}, true);
   for (const std::uint32_t frame : {0U, 1U, 5U}) {
     follower.Offer(Frame(frame));
-    ASSERT_NE(follower.Newest(), nullptr);
-    EXPECT_EQ(follower.Newest()->frame, FrameId{frame});
+    ASSERT_NE(follower.Newest(FrameId{frame + 1}), nullptr);
+    EXPECT_EQ(follower.Newest(FrameId{frame + 1})->frame, FrameId{frame});
   }
+  EXPECT_NE(follower.Newest(FrameId{11}), nullptr);
+  EXPECT_EQ(follower.Newest(FrameId{12}), nullptr);  // too old for it
 }
 
 TEST(LabelFollowerTest, PassesTheLabelsOfViewsOn) {
@@ -49,7 +51,7 @@ TEST(LabelFollowerTest, PassesTheLabelsOfViewsOn) {
   LabelFollower::TrackedFrame frame = Frame(0);
   frame.views = std::make_shared<const std::vector<SeenView>>(1, MakeView(FrameId{0}, frame.data, {}, labels));
   follower.Offer(frame);
-  EXPECT_TRUE(follower.Newest()->labels[SampleAt(30, 30)].IsKnown());
+  EXPECT_TRUE(follower.Newest(FrameId{1})->labels[SampleAt(30, 30)].IsKnown());
 }
 
 TEST(LabelFollowerTest, NeverWaitsAndEndsWithFramesUnderWay) {

@@ -23,7 +23,8 @@
 namespace rds {
 namespace {
 
-constexpr int kWeakStart = 60;  // matches below which the first keyframe does not do any more
+constexpr std::uint32_t kStartKeyframes = 4;  // frames from one to the next among those tracked again
+constexpr int kWeakStart = 30;                // matches below which the first keyframe does not do any more
 
 // Keyframes that wait for labels, as the semantic thread sees them.
 struct Waiting {
@@ -113,6 +114,7 @@ class Slam::Impl {
     FrameId frame;
     double timestamp_s = 0;
     std::shared_ptr<const FrameData> data;
+    std::shared_ptr<const Image8> image;
   };
   struct DueRound {
     std::uint32_t due_frame = 0;
@@ -124,9 +126,9 @@ class Slam::Impl {
   void StartFollowing();
   void Follow(FrameId frame, std::shared_ptr<const FrameData> data, const TrackOutcome& outcome);
   void TrackStartAgain();
-  void KeepStart(const FrameResult& result, std::shared_ptr<const FrameData> data);
+  void KeepStart(const FrameResult& result, std::shared_ptr<const FrameData> data, const RgbdFrame& frame);
   void AddEntry(double timestamp_s, const TrackOutcome& outcome);
-  bool OfferKeyframe(const RgbdFrame& frame);
+  bool OfferKeyframe(double timestamp_s, std::shared_ptr<const Image8> image, bool at_once);
   void StepSemantics(FrameId frame);
   void StopSemantics(bool wait_for_labels);
 
@@ -190,32 +192,38 @@ void Slam::Impl::Follow(FrameId frame, std::shared_ptr<const FrameData> data, co
 }
 
 // Before the first label nobody can tell what moves, and poses may follow people who fill the picture. So until then
-// the first keyframe stays the only one, and once it is labelled a new tracker goes through all frames since.
+// the first keyframe stays the only one, and once it is labelled a new tracker goes through all frames since. The last
+// of them becomes a keyframe at once: of the first one's static points few may be left by then.
 void Slam::Impl::TrackStartAgain() {
-  auto tracker = MakeTracker();
+  tracker_ = MakeTracker();
   entries_.clear();
   lost_ = 0;
   tracked_before_ = false;
   StartFollowing();
   std::shared_ptr<const LocalMap> map;  // none for the first frame: it is the first keyframe
-  for (StartFrame& frame : start_) {
-    const TrackOutcome outcome = tracker->Track(frame.frame, frame.timestamp_s, frame.data, map, Status(), nullptr);
+  for (FrameId keyframe = start_.front().frame; StartFrame & frame : start_) {
+    const TrackOutcome outcome = tracker_->Track(frame.frame, frame.timestamp_s, frame.data, map, Status(), nullptr);
     AddEntry(frame.timestamp_s, outcome);
     Follow(frame.frame, std::move(frame.data), outcome);
+    if (outcome.wants_keyframe && frame.frame.value - keyframe.value >= kStartKeyframes) {
+      OfferKeyframe(frame.timestamp_s, std::move(frame.image), true);
+      keyframe = frame.frame;
+    }
     map = shared_->pipeline.CurrentLocalMap();
   }
-  tracker_ = std::move(tracker);
   start_.clear();
 }
 
-void Slam::Impl::KeepStart(const FrameResult& result, std::shared_ptr<const FrameData> data) {
-  if (!tracked_before_) {
-    return;
+void Slam::Impl::KeepStart(const FrameResult& result, std::shared_ptr<const FrameData> data, const RgbdFrame& frame) {
+  start_.push_back({result.frame, result.timestamp_s, std::move(data), frame.image});
+  if (shared_->pipeline.newest_labelled() >= 0) {
+    return;  // the label came while this frame was tracked: all are tracked again before the next one
   }
-  start_.push_back({result.frame, result.timestamp_s, std::move(data)});
-  const bool weak = start_.size() > 1 && result.static_matches + result.unknown_matches < kWeakStart;
-  if (weak || std::ssize(start_) >= options_.semantic.start_frames) {  // the map must grow, labelled or not
-    starting_ = false;
+  // A lost frame is none: the map cannot grow by it, and it may be the label that took its points away.
+  const bool weak = start_.size() > 1 && result.state == TrackingState::kTracked &&
+                    result.static_matches + result.unknown_matches < kWeakStart;
+  starting_ = !weak && std::ssize(start_) < options_.semantic.start_frames;
+  if (!starting_) {  // the map must grow, labelled or not
     start_.clear();
   }
 }
@@ -260,7 +268,7 @@ FrameResult Slam::Impl::Process(const RgbdFrame& frame) {
     starting_ = false;
     TrackStartAgain();
   }
-  const std::shared_ptr<const LabelField> labels = follower_ ? follower_->Newest() : nullptr;
+  const std::shared_ptr<const LabelField> labels = follower_ ? follower_->Newest(result.frame) : nullptr;
   auto data = std::make_shared<const FrameData>(extractor_.Extract(
       camera_, *frame.image, *frame.depth, labels ? std::span(labels->motion) : std::span<const SampleMotion>()));
   result.timing.extraction_ms = watch.Milliseconds();
@@ -268,30 +276,30 @@ FrameResult Slam::Impl::Process(const RgbdFrame& frame) {
                                                shared_->pipeline.CurrentLocalMap(), Status(), labels.get());
   AddEntry(frame.timestamp_s, outcome);
   const bool hold = starting_ && !start_.empty();
-  result.is_keyframe = outcome.wants_keyframe && !hold && OfferKeyframe(frame);
+  result.is_keyframe = outcome.wants_keyframe && !hold && OfferKeyframe(frame.timestamp_s, frame.image, false);
   result.state = outcome.tracked   ? TrackingState::kTracked
                  : tracked_before_ ? TrackingState::kLost
                                    : TrackingState::kNotInitialized;
   FillFrameResult(outcome, *data, shared_->pipeline, options_.system.keep_features, &result);
   Follow(result.frame, data, outcome);
-  if (starting_) {
-    KeepStart(result, std::move(data));
+  if (starting_ && tracked_before_) {
+    KeepStart(result, std::move(data), frame);
   }
   result.timing.cpu_ms = 1e3 * (ThreadCpuSeconds() - cpu_start);
   result.timing.total_ms = watch.Milliseconds();
   return result;
 }
 
-bool Slam::Impl::OfferKeyframe(const RgbdFrame& frame) {
+bool Slam::Impl::OfferKeyframe(double timestamp_s, std::shared_ptr<const Image8> image, bool at_once) {
   KeyframeCandidate candidate = tracker_->MakeCandidate();
-  BacklogItem item{candidate.frame, frame.timestamp_s, frame.image, candidate.data, false};
+  BacklogItem item{candidate.frame, timestamp_s, std::move(image), candidate.data, false};
   const bool first = !candidate.reference.valid();
   for (const auto* worker : {&mapping_, &semantics_}) {
     if (*worker) {
       (*worker)->LeaveCallersCore();
     }
   }
-  if (options_.system.lockstep || first) {
+  if (options_.system.lockstep || first || at_once) {
     // The first keyframe is the map: the second frame must find it there, so this one thread makes it.
     shared_->pipeline.MapKeyframe(candidate, [] { return false; });
   } else if (options_.system.wait_for_mapping ? !shared_->keyframes.Push(std::move(candidate))
