@@ -192,8 +192,8 @@ void Slam::Impl::Follow(FrameId frame, std::shared_ptr<const FrameData> data, co
 }
 
 // Before the first label nobody can tell what moves, and poses may follow people who fill the picture. So until then
-// the first keyframe stays the only one, and once it is labelled a new tracker goes through all frames since. The last
-// of them becomes a keyframe at once: of the first one's static points few may be left by then.
+// the first keyframe stays the only one, and once it is labelled a new tracker goes through all frames since, with
+// keyframes where it wants them: of the first one's static points few may be left by then.
 void Slam::Impl::TrackStartAgain() {
   tracker_ = MakeTracker();
   entries_.clear();
@@ -201,7 +201,8 @@ void Slam::Impl::TrackStartAgain() {
   tracked_before_ = false;
   StartFollowing();
   std::shared_ptr<const LocalMap> map;  // none for the first frame: it is the first keyframe
-  for (FrameId keyframe = start_.front().frame; StartFrame & frame : start_) {
+  FrameId keyframe = start_.front().frame;
+  for (StartFrame& frame : start_) {
     const TrackOutcome outcome = tracker_->Track(frame.frame, frame.timestamp_s, frame.data, map, Status(), nullptr);
     AddEntry(frame.timestamp_s, outcome);
     Follow(frame.frame, std::move(frame.data), outcome);
@@ -216,13 +217,12 @@ void Slam::Impl::TrackStartAgain() {
 
 void Slam::Impl::KeepStart(const FrameResult& result, std::shared_ptr<const FrameData> data, const RgbdFrame& frame) {
   start_.push_back({result.frame, result.timestamp_s, std::move(data), frame.image});
-  if (shared_->pipeline.newest_labelled() >= 0) {
-    return;  // the label came while this frame was tracked: all are tracked again before the next one
-  }
+  // Came while this frame was tracked: all frames are tracked again before the next one.
+  const bool labelled = shared_->pipeline.newest_labelled() >= 0;
   // A lost frame is none: the map cannot grow by it, and it may be the label that took its points away.
   const bool weak = start_.size() > 1 && result.state == TrackingState::kTracked &&
                     result.static_matches + result.unknown_matches < kWeakStart;
-  starting_ = !weak && std::ssize(start_) < options_.semantic.start_frames;
+  starting_ = labelled || (!weak && std::ssize(start_) < options_.semantic.start_frames);
   if (!starting_) {  // the map must grow, labelled or not
     start_.clear();
   }
@@ -293,14 +293,14 @@ FrameResult Slam::Impl::Process(const RgbdFrame& frame) {
 bool Slam::Impl::OfferKeyframe(double timestamp_s, std::shared_ptr<const Image8> image, bool at_once) {
   KeyframeCandidate candidate = tracker_->MakeCandidate();
   BacklogItem item{candidate.frame, timestamp_s, std::move(image), candidate.data, false};
-  const bool first = !candidate.reference.valid();
+  at_once |= options_.system.lockstep || !candidate.reference.valid();
   for (const auto* worker : {&mapping_, &semantics_}) {
     if (*worker) {
       (*worker)->LeaveCallersCore();
     }
   }
-  if (options_.system.lockstep || first || at_once) {
-    // The first keyframe is the map: the second frame must find it there, so this one thread makes it.
+  if (at_once) {
+    // The first keyframe is the map: the second frame must find it there. So must frames that are tracked again.
     shared_->pipeline.MapKeyframe(candidate, [] { return false; });
   } else if (options_.system.wait_for_mapping ? !shared_->keyframes.Push(std::move(candidate))
                                               : !shared_->keyframes.TryPush(std::move(candidate))) {
