@@ -68,12 +68,4 @@ FrameData::FrameData(const PinholeCamera& camera, std::vector<Keypoint> keypoint
   }
 }
 
-int FrameData::Column(float x) const {
-  return static_cast<int>(std::clamp((x - min_x_) * columns_per_px_, 0.0F, kGridColumns - 1.0F));
-}
-
-int FrameData::Row(float y) const {
-  return static_cast<int>(std::clamp((y - min_y_) * rows_per_px_, 0.0F, kGridRows - 1.0F));
-}
-
 }  // namespace rds

@@ -96,8 +96,12 @@ class FrameData {
   void ForEachInWindow(float x, float y, float radius_px, int min_octave, int max_octave, Visitor&& visit) const;
 
  private:
-  [[nodiscard]] int Column(float x) const;
-  [[nodiscard]] int Row(float y) const;
+  [[nodiscard]] int Column(float x) const {
+    return static_cast<int>(std::clamp((x - min_x_) * columns_per_px_, 0.0F, kGridColumns - 1.0F));
+  }
+  [[nodiscard]] int Row(float y) const {
+    return static_cast<int>(std::clamp((y - min_y_) * rows_per_px_, 0.0F, kGridRows - 1.0F));
+  }
 
   PinholeCamera camera_;
   std::vector<Keypoint> keypoints_;
@@ -126,18 +130,31 @@ void FrameData::ForEachInWindow(float x, float y, float radius_px, int min_octav
   const int first_column = Column(x - radius_px);
   const int last_column = Column(x + radius_px);
   const int last_row = Row(y + radius_px);
+  // Collected without branches, which would be guessed wrong half the time, and visited afterwards.
+  std::array<std::uint16_t, 64> inside;
+  std::size_t count = 0;
+  const auto visit_all = [&] {
+    for (std::size_t k = 0; k < count; ++k) {
+      visit(static_cast<std::size_t>(inside[k]));
+    }
+    count = 0;
+  };
   for (int row = Row(y - radius_px); row <= last_row; ++row) {
     // Cells of a row are contiguous, so one run of items covers all columns.
     const auto cell = static_cast<std::size_t>(row * kGridColumns);
     const std::size_t end = cell_start_[cell + static_cast<std::size_t>(last_column) + 1];
     for (std::size_t i = cell_start_[cell + static_cast<std::size_t>(first_column)]; i < end; ++i) {
       const CellItem& item = cell_items_[i];
-      if (item.octave >= min_octave && item.octave <= max_octave && std::abs(item.x - x) < radius_px &&
-          std::abs(item.y - y) < radius_px) {
-        visit(static_cast<std::size_t>(item.index));
+      inside[count] = item.index;
+      count += static_cast<std::size_t>(
+          static_cast<int>(item.octave >= min_octave) & static_cast<int>(item.octave <= max_octave) &
+          static_cast<int>(std::abs(item.x - x) < radius_px) & static_cast<int>(std::abs(item.y - y) < radius_px));
+      if (count == inside.size()) {
+        visit_all();
       }
     }
   }
+  visit_all();
 }
 
 }  // namespace rds

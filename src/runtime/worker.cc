@@ -49,6 +49,16 @@ void Worker::LeaveCallersCore() {
 #endif
 }
 
+void Worker::StayOffCallersCore() {
+#ifdef __linux__
+  const int core = sched_getcpu();
+  if (core != callers_core_) {
+    callers_core_ = core;
+    LeaveCallersCore();
+  }
+#endif
+}
+
 void Worker::UseAllCores() {
 #ifdef __linux__
   cpu_set_t cores;

@@ -28,6 +28,10 @@ class Worker {
   // although another is idle, and the caller has to stop for it. Once awake, the thread calls UseAllCores.
   void LeaveCallersCore();
 
+  // The same for a thread that is woken often and works little: it stays off that core, and only a change of the
+  // caller's core costs a system call. It must not call UseAllCores.
+  void StayOffCallersCore();
+
   // Lets the calling thread run on all cores of the process again.
   static void UseAllCores();
 
@@ -38,6 +42,7 @@ class Worker {
  private:
   std::future<void> done_;
   std::thread thread_;
+  int callers_core_ = -1;  // that StayOffCallersCore left
 };
 
 }  // namespace rds

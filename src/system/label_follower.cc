@@ -9,7 +9,6 @@ LabelFollower::LabelFollower(const LabelCarryOptions& options, const FreeSpaceOp
   if (!lockstep) {
     worker_.emplace([this] {
       while (const auto frame = frames_.Pop()) {
-        Worker::UseAllCores();
         Follow(*frame);
       }
     });
@@ -30,7 +29,7 @@ void LabelFollower::Offer(TrackedFrame frame) {
   } else if (worker_->WaitFor(0)) {
     worker_->Join();  // it ended by an error
   } else {
-    worker_->LeaveCallersCore();
+    worker_->StayOffCallersCore();
     static_cast<void>(frames_.TryPush(std::move(frame)));
   }
 }

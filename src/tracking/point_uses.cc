@@ -18,16 +18,4 @@ void PointUses::Clear() {
   used_.clear();
 }
 
-PointUse& PointUses::Of(PointId point) {
-  if (uses_.size() <= point.index()) {
-    uses_.resize(point.index() + 1);
-  }
-  PointUse& use = uses_[point.index()];
-  if (!use.point.valid()) {
-    use.point = point;
-    used_.push_back(point);
-  }
-  return use;
-}
-
 }  // namespace rds

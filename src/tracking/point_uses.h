@@ -18,7 +18,17 @@ class PointUses {
   void Clear();
 
  private:
-  PointUse& Of(PointId point);
+  PointUse& Of(PointId point) {
+    if (uses_.size() <= point.index()) {
+      uses_.resize(point.index() + 1);
+    }
+    PointUse& use = uses_[point.index()];
+    if (!use.point.valid()) {
+      use.point = point;
+      used_.push_back(point);
+    }
+    return use;
+  }
 
   std::vector<PointUse> uses_;  // by point id, value-initialised where unused
   std::vector<PointId> used_;   // ids whose entry is in use

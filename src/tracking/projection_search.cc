@@ -22,19 +22,22 @@ std::vector<PointMatch> ToPointMatches(const std::vector<Match>& matches) {
   return result;
 }
 
-// Projections of all points of a local map; one entry a point.
+// Points of a local map in a frame; one entry a point.
 struct Projections {
-  std::vector<float> u, v, inverse_depth, distance2, cosine;
+  std::vector<float> u, v, inverse_depth, distance, cosine;
+  std::vector<std::uint32_t> in_view;  // points, ascending
 };
 
-Projections ProjectAll(const LocalMap& map, const PinholeCamera& camera, const Rigid3& camera_from_world) {
+Projections ProjectAll(const LocalMap& map, const FrameData& frame, const Rigid3& camera_from_world) {
   const std::size_t n = map.size();
   Projections out;
   out.u.resize(n);
   out.v.resize(n);
   out.inverse_depth.resize(n);
-  out.distance2.resize(n);
+  out.distance.resize(n);
   out.cosine.resize(n);
+  out.in_view.resize(n);
+  const PinholeCamera& camera = frame.camera();
   const Eigen::Matrix3f r = camera_from_world.RotationMatrix().cast<float>();
   const Eigen::Vector3f t = camera_from_world.translation.cast<float>();
   const Eigen::Vector3f c = camera_from_world.Inverse().translation.cast<float>();
@@ -57,11 +60,20 @@ Projections ProjectAll(const LocalMap& map, const PinholeCamera& camera, const R
     const float dx = x - c.x();
     const float dy = y - c.y();
     const float dz = z - c.z();
-    const float distance2 = dx * dx + dy * dy + dz * dz;
-    out.distance2[i] = distance2;
-    out.cosine[i] =
-        (dx * map.normal_x[i] + dy * map.normal_y[i] + dz * map.normal_z[i]) / std::sqrt(distance2 + 1e-12F);
+    const float distance = std::sqrt(dx * dx + dy * dy + dz * dz);
+    out.distance[i] = distance;
+    out.cosine[i] = (dx * map.normal_x[i] + dy * map.normal_y[i] + dz * map.normal_z[i]) / distance;
   }
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < n; ++i) {  // without branches, which would often be guessed wrong
+    out.in_view[count] = static_cast<std::uint32_t>(i);
+    count += static_cast<std::size_t>(static_cast<int>(out.inverse_depth[i] > 0) &
+                                      static_cast<int>(out.cosine[i] >= kMinCosine) &
+                                      static_cast<int>(frame.IsInImage(out.u[i], out.v[i])) &
+                                      static_cast<int>(out.distance[i] >= 0.8F * map.min_distance_m[i]) &
+                                      static_cast<int>(out.distance[i] <= 1.2F * map.max_distance_m[i]));
+  }
+  out.in_view.resize(count);
   return out;
 }
 
@@ -103,24 +115,16 @@ std::vector<PointMatch> SearchLastFrame(const FrameData& last, std::span<const L
 LocalSearch SearchLocalMap(const FrameData& current, const Rigid3& camera_from_world, const LocalMap& map,
                            const ScalePyramid& pyramid, std::span<const std::uint8_t> taken,
                            std::span<const std::uint8_t> occupied, double window_px, double ratio) {
-  const PinholeCamera& camera = current.camera();
-  const Projections all = ProjectAll(map, camera, camera_from_world);
-  const auto bf = static_cast<float>(camera.Bf());
+  Projections all = ProjectAll(map, current, camera_from_world);
+  const auto bf = static_cast<float>(current.camera().Bf());
   LocalSearch result;
   MatchSet set(current.size());
-  for (std::size_t i = 0; i < map.size(); ++i) {
-    if (all.inverse_depth[i] <= 0 || all.cosine[i] < kMinCosine || !current.IsInImage(all.u[i], all.v[i])) {
-      continue;
-    }
-    const float distance = std::sqrt(all.distance2[i]);
-    if (distance < 0.8F * map.min_distance_m[i] || distance > 1.2F * map.max_distance_m[i]) {
-      continue;
-    }
-    result.visible.push_back(static_cast<std::uint32_t>(i));
+  for (const std::uint32_t i : all.in_view) {
     if (taken[i] != 0) {
       continue;
     }
-    const int level = pyramid.PredictLevel(static_cast<double>(map.max_distance_m[i]), static_cast<double>(distance));
+    const int level =
+        pyramid.PredictLevel(static_cast<double>(map.max_distance_m[i]), static_cast<double>(all.distance[i]));
     const float radius = static_cast<float>(window_px) * pyramid.scale[static_cast<std::size_t>(level)] *
                          (all.cosine[i] > kStraightCosine ? kStraightWindow : kObliqueWindow);
     const Candidate best =
@@ -128,9 +132,10 @@ LocalSearch SearchLocalMap(const FrameData& current, const Rigid3& camera_from_w
                  map.descriptors[i]);
     if (best.keypoint >= 0 && best.distance <= kLooseDistance && best.IsDistinct(ratio) &&
         occupied[static_cast<std::size_t>(best.keypoint)] == 0) {
-      set.Add({static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(best.keypoint), best.distance});
+      set.Add({i, static_cast<std::uint32_t>(best.keypoint), best.distance});
     }
   }
+  result.visible = std::move(all.in_view);
   result.matches = ToPointMatches(set.Take());
   return result;
 }

@@ -78,7 +78,6 @@ void Tracker::TrackInMap(const WorkerStatus& status, bool map_changed, TrackOutc
     current_.camera_from_world = last_.camera_from_world;
     current_.reference = last_.reference;
     current_.camera_from_reference = last_.camera_from_reference;
-    std::ranges::fill(current_.points, PointId{});
     motion_.Forget();
     return;
   }
@@ -92,6 +91,7 @@ void Tracker::TrackInMap(const WorkerStatus& status, bool map_changed, TrackOutc
   for (const auto* matches : {&association_.used, &association_.set_aside}) {
     for (const PointMatch& match : *matches) {
       current_.points[match.keypoint] = map_->ids[match.point];
+      current_.sightings.push_back({match.keypoint, match.point});
     }
   }
   ChooseReference(outcome);
@@ -112,7 +112,7 @@ TrackOutcome Tracker::Start(TrackOutcome outcome) {
   return outcome;
 }
 
-// The last pose as the new snapshot has it: the reference keyframe may have been corrected since.
+// The last frame as the new snapshot has it: the reference keyframe may have been corrected since, points fused.
 void Tracker::Rebase() {
   if (!last_.reference.valid()) {
     last_.reference = map_->keyframes.front().id;  // the first frame is the first keyframe
@@ -120,6 +120,14 @@ void Tracker::Rebase() {
   }
   if (const LocalKeyframe* reference = map_->Find(last_.reference)) {
     last_.camera_from_world = last_.camera_from_reference * reference->camera_from_world;
+  }
+  last_.sightings.clear();
+  for (std::size_t i = 0; i < last_.points.size(); ++i) {
+    if (last_.points[i].valid()) {
+      if (const auto point = map_->IndexOf(last_.points[i])) {
+        last_.sightings.push_back({static_cast<std::uint32_t>(i), *point});
+      }
+    }
   }
 }
 
@@ -182,16 +190,8 @@ void Tracker::OptimizeUsed() {
 
 bool Tracker::TrackLastFrame(TrackOutcome* outcome) {
   Stopwatch watch;
-  std::vector<LastSighting> sightings;
-  for (std::size_t i = 0; i < last_.points.size(); ++i) {
-    if (last_.points[i].valid()) {
-      if (const auto point = map_->IndexOf(last_.points[i])) {
-        sightings.push_back({static_cast<std::uint32_t>(i), *point});
-      }
-    }
-  }
   const auto search = [&](double window_px) {
-    return SearchLastFrame(*last_.data, sightings, *current_.data, current_.camera_from_world, *map_, pyramid_,
+    return SearchLastFrame(*last_.data, last_.sightings, *current_.data, current_.camera_from_world, *map_, pyramid_,
                            window_px);
   };
   std::vector<PointMatch> matches = search(options_.motion_window_px);

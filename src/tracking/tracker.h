@@ -87,7 +87,8 @@ class Tracker {
     Rigid3 camera_from_world;
     KeyframeId reference;
     Rigid3 camera_from_reference;
-    std::vector<PointId> points;  // of each keypoint, inliers only
+    std::vector<PointId> points;          // of each keypoint, inliers only
+    std::vector<LastSighting> sightings;  // the same as the snapshot has them
     bool tracked = false;
   };
 
