@@ -134,6 +134,44 @@ TEST(Slam, FramesBeforeTheFirstLabelAreTrackedAgainWithIt) {
   EXPECT_GT(furthest_m(run(0)), 0.1);  // went along with the board, and the map with it
 }
 
+// In threads, the first label comes between two frames or at any moment while one is tracked.
+TEST(Slam, FramesBeforeTheFirstLabelAreTrackedAgainWhateverTheMomentItComes) {
+  using Milliseconds = std::chrono::duration<double, std::milli>;
+  constexpr std::size_t kBefore = 12;  // frames before its mask may come
+  constexpr int kMoments = 16;
+  const std::vector<SyntheticFrame> frames = BoardPassing();
+  for (int moment = 0; moment < kMoments; ++moment) {
+    std::promise<void> gate;
+    auto masks = [&frames, open = gate.get_future().share()](std::span<const SegmentationInput> inputs) {
+      open.wait();
+      return TrueMasks(frames)->Segment(inputs);
+    };
+    Slam slam(MakeSyntheticCamera(320, 240), SmallOptions(false),
+              std::make_unique<FaultySegmenter>("gated", std::chrono::milliseconds(0), std::move(masks)));
+    double frame_ms = 0;
+    for (std::size_t i = 0; i < kBefore; ++i) {
+      frame_ms = slam.Process(frames[i].rgbd).timing.total_ms;
+    }
+    // From two frames' time before the next frame to its end: between mask and label lies some work.
+    std::thread opener([&, wait = Milliseconds(3 * frame_ms * moment / kMoments)] {
+      std::this_thread::sleep_for(wait);
+      gate.set_value();
+    });
+    std::this_thread::sleep_for(Milliseconds(2 * frame_ms));
+    std::size_t next = kBefore;
+    while (next < frames.size() && !slam.Process(frames[next++].rgbd).semantic_delay_frames) {
+    }
+    ASSERT_LT(next, frames.size()) << "no label came";
+    static_cast<void>(slam.Process(frames[next].rgbd));  // tracks the frames before the label again, if not done yet
+    opener.join();
+    const SlamResult result = slam.Finish();
+    ASSERT_GE(result.frames.size(), kBefore);
+    for (const StampedPose& pose : std::span(result.frames).first(kBefore)) {
+      EXPECT_LT(pose.world_from_camera.translation.norm(), 0.03) << "moment " << moment;
+    }
+  }
+}
+
 // Figures 6 and 7 of the paper: keyframes that come faster than their masks.
 TEST(Slam, SequentialLabelsFallFartherAndFartherBehindAndBidirectionalOnesDoNot) {
   SyntheticOptions synthetic = SmallWorld(SyntheticScenario::kWalking);
