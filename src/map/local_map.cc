@@ -102,6 +102,22 @@ std::optional<std::uint32_t> LocalMap::IndexOf(PointId id) const {
   return std::nullopt;
 }
 
+const LocalKeyframe& LocalMap::MostShared(std::span<const std::uint8_t> marked) const {
+  const LocalKeyframe* best = &keyframes.back();
+  int most = -1;
+  for (const LocalKeyframe& keyframe : keyframes) {
+    int shared = 0;
+    for (const LocalKeyframe::Link& link : keyframe.links) {
+      shared += marked[link.point];
+    }
+    if (shared >= most) {
+      most = shared;
+      best = &keyframe;
+    }
+  }
+  return *best;
+}
+
 const LocalKeyframe* LocalMap::Find(KeyframeId id) const {
   const auto place = std::ranges::lower_bound(keyframes, id, {}, &LocalKeyframe::id);
   return place != keyframes.end() && place->id == id ? &*place : nullptr;

@@ -51,6 +51,8 @@ struct LocalMap {
   }
   // Index of a point, fusions followed; nothing if it is not in this snapshot.
   [[nodiscard]] std::optional<std::uint32_t> IndexOf(PointId id) const;
+  // The keyframe that sees most of the points marked (one flag a point), the newest of equals.
+  [[nodiscard]] const LocalKeyframe& MostShared(std::span<const std::uint8_t> marked) const;
   // Null if it is not in this snapshot.
   [[nodiscard]] const LocalKeyframe* Find(KeyframeId id) const;
 };

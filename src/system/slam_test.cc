@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <memory>
+#include <opencv2/imgproc.hpp>
 #include <vector>
 
 #include "base/error.h"
@@ -114,6 +115,27 @@ TEST(Slam, BlackFramesAreLostAndTrackingIsRegained) {
   EXPECT_EQ(result.lost_frames, lost);
   EXPECT_EQ(result.tracked_frames, kFrames - lost);
   EXPECT_LT(AteRmse(result, frames), 0.02);
+}
+
+// Neither the frame before nor the reference keyframe tells where the camera is: only the map, where it is expected.
+TEST(Slam, BlurredPartsOfThePictureThatTakeTurnsAreTracked) {
+  const auto& frames = Frames(SyntheticScenario::kStatic);
+  Slam slam(MakeSyntheticCamera(320, 240), SmallOptions(true));
+  int lost = 0;
+  for (int i = 0; i < kFrames; ++i) {
+    RgbdFrame frame = frames[static_cast<std::size_t>(i)].rgbd;
+    if (i >= 20 && i < 28) {
+      const bool left = i % 2 == 0;
+      auto image = std::make_shared<Image8>(*frame.image);
+      cv::Mat pixels(image->height, image->width, CV_8UC(image->channels), image->Row(0));
+      cv::GaussianBlur(pixels, pixels, {}, 2.0);
+      pixels.colRange(left ? 160 : 0, left ? 320 : 160).setTo(0);
+      frame.image = std::move(image);
+    }
+    lost += slam.Process(frame).state == TrackingState::kLost ? 1 : 0;
+  }
+  EXPECT_EQ(lost, 0);
+  EXPECT_LT(AteRmse(slam.Finish(), frames), 0.02);
 }
 
 TEST(Slam, WithoutDepthOrBeyondItsRangeNothingIsInvented) {

@@ -79,6 +79,18 @@ Projections ProjectAll(const LocalMap& map, const FrameData& frame, const Rigid3
 
 }  // namespace
 
+std::vector<LastSighting> FindSightings(std::span<const PointId> points, const LocalMap& map) {
+  std::vector<LastSighting> sightings;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (points[i].valid()) {
+      if (const auto point = map.IndexOf(points[i])) {
+        sightings.push_back({static_cast<std::uint32_t>(i), *point});
+      }
+    }
+  }
+  return sightings;
+}
+
 std::vector<PointMatch> SearchLastFrame(const FrameData& last, std::span<const LastSighting> sightings,
                                         const FrameData& current, const Rigid3& camera_from_world, const LocalMap& map,
                                         const ScalePyramid& pyramid, double window_px) {

@@ -16,6 +16,10 @@ struct LastSighting {
   std::uint32_t point = 0;     // index into LocalMap
 };
 
+// Those of a frame's points (one a keypoint, invalid where there is none) that a snapshot holds, fusions followed;
+// ascending by keypoint.
+[[nodiscard]] std::vector<LastSighting> FindSightings(std::span<const PointId> points, const LocalMap& map);
+
 // Searches the last frame's points around their projections at a predicted pose: octave of the last sighting and its
 // neighbours, rotation checked, each keypoint taken once. `window_px` is scaled with the octave.
 [[nodiscard]] std::vector<PointMatch> SearchLastFrame(const FrameData& last, std::span<const LastSighting> sightings,

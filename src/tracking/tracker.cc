@@ -71,8 +71,15 @@ void Tracker::TrackInMap(const WorkerStatus& status, bool map_changed, TrackOutc
   current_.reference = last_.reference;
   regaining_ = !last_.tracked;
   Predict(outcome);
+  const std::optional<PosePrior> expected = prior_;
+  double window_px = regaining_ ? options_.regain_window_px : options_.local_window_px;
   const bool roughly = last_.tracked ? TrackLastFrame(outcome) || TrackReferenceKeyframe(outcome) : Regain(outcome);
-  current_.tracked = roughly && TrackLocalMap(outcome);
+  const bool trusting = !roughly && expected;
+  if (trusting) {  // a blurred picture, say, matches little that was just seen: the map may hold more
+    Expect(*expected);
+    window_px = options_.regain_window_px;
+  }
+  current_.tracked = (roughly || trusting) && TrackLocalMap(window_px, outcome) && !(trusting && MostlyOutliers());
   if (!current_.tracked) {
     // The last known pose stays the place to search from; the frame itself has none.
     current_.camera_from_world = last_.camera_from_world;
@@ -121,14 +128,7 @@ void Tracker::Rebase() {
   if (const LocalKeyframe* reference = map_->Find(last_.reference)) {
     last_.camera_from_world = last_.camera_from_reference * reference->camera_from_world;
   }
-  last_.sightings.clear();
-  for (std::size_t i = 0; i < last_.points.size(); ++i) {
-    if (last_.points[i].valid()) {
-      if (const auto point = map_->IndexOf(last_.points[i])) {
-        last_.sightings.push_back({static_cast<std::uint32_t>(i), *point});
-      }
-    }
-  }
+  last_.sightings = FindSightings(last_.points, *map_);
 }
 
 // Surfaces say where the camera is without knowing a point; with semantics only static ones do.
@@ -239,7 +239,15 @@ bool Tracker::Regain(TrackOutcome* outcome) {
   return false;
 }
 
-bool Tracker::TrackLocalMap(TrackOutcome* outcome) {
+// Nothing matched but what was known before.
+void Tracker::Expect(const PosePrior& expected) {
+  prior_ = expected;
+  current_.camera_from_world = expected.camera_from_world;
+  association_ = {};
+  outliers_.clear();
+}
+
+bool Tracker::TrackLocalMap(double window_px, TrackOutcome* outcome) {
   Stopwatch watch;
   // All points matched so far keep their keypoints, dynamic and unused ones too: a static point must not take those.
   std::vector<PointMatch> matches = association_.used;
@@ -251,9 +259,8 @@ bool Tracker::TrackLocalMap(TrackOutcome* outcome) {
     taken[match.point] = 1;
     occupied[match.keypoint] = 1;
   }
-  const double window = regaining_ ? options_.regain_window_px : options_.local_window_px;
   const LocalSearch search = SearchLocalMap(*current_.data, current_.camera_from_world, *map_, pyramid_, taken,
-                                            occupied, window, options_.local_ratio);
+                                            occupied, window_px, options_.local_ratio);
   matches.insert(matches.end(), search.matches.begin(), search.matches.end());
   outliers_.clear();
   outcome->local_map_ms += watch.Milliseconds();
@@ -310,6 +317,9 @@ bool Tracker::StandsFirm() const {
   return inliers >= enough || association_.static_count >= std::max(enough_static, 1);
 }
 
+// As many matches of a wide window agree with a pose that is wrong by chance.
+bool Tracker::MostlyOutliers() const { return 2 * association_.used.size() < outliers_.size(); }
+
 void Tracker::CountUse(const LocalSearch& search) {
   for (const std::uint32_t point : search.visible) {
     uses_.CountVisible(map_->ids[point]);
@@ -321,26 +331,14 @@ void Tracker::CountUse(const LocalSearch& search) {
   }
 }
 
-// The keyframe that shares most points with the frame.
 void Tracker::ChooseReference(TrackOutcome* outcome) {
   std::vector<std::uint8_t> seen(map_->size(), 0);
   for (const PointMatch& match : association_.used) {
     seen[match.point] = 1;
   }
-  const LocalKeyframe* best = &map_->keyframes.back();
-  int most = -1;
-  for (const LocalKeyframe& keyframe : map_->keyframes) {
-    int shared = 0;
-    for (const LocalKeyframe::Link& link : keyframe.links) {
-      shared += seen[link.point];
-    }
-    if (shared >= most) {  // the newest of equals
-      most = shared;
-      best = &keyframe;
-    }
-  }
-  current_.reference = best->id;
-  current_.camera_from_reference = current_.camera_from_world * best->camera_from_world.Inverse();
+  const LocalKeyframe& best = map_->MostShared(seen);
+  current_.reference = best.id;
+  current_.camera_from_reference = current_.camera_from_world * best.camera_from_world.Inverse();
   outcome->reference = current_.reference;
   outcome->camera_from_reference = current_.camera_from_reference;
 }

@@ -103,7 +103,9 @@ class Tracker {
   bool TrackLastFrame(TrackOutcome* outcome);
   bool TrackReferenceKeyframe(TrackOutcome* outcome);
   bool Regain(TrackOutcome* outcome);
-  bool TrackLocalMap(TrackOutcome* outcome);
+  void Expect(const PosePrior& expected);
+  // `window_px` is searched around each point.
+  bool TrackLocalMap(double window_px, TrackOutcome* outcome);
   // Pose from the matches that Algorithm 2 lets through; keeps the inliers in matches_. Returns their number.
   int OptimizeFrom(std::span<const PointMatch> matches, TrackOutcome* outcome);
   // Optimises the pose over association_.used and keeps the inliers there.
@@ -113,6 +115,7 @@ class Tracker {
   void SettleUnknown(TrackOutcome* outcome);
   [[nodiscard]] bool Agrees(const PointMatch& match) const;
   [[nodiscard]] bool StandsFirm() const;
+  [[nodiscard]] bool MostlyOutliers() const;
   void ChooseReference(TrackOutcome* outcome);
   void CountUse(const LocalSearch& search);
   [[nodiscard]] PoseObservation Observe(const PointMatch& match) const;
