@@ -19,7 +19,7 @@ struct MappingOptions {
   int triangulate_neighbours = 10;
   double triangulate_ratio = 0.8;
   int fuse_neighbours = 10;      // best covisible keyframes; each brings its best five
-  double redundant_share = 0.9;  // of a keyframe's close points seen elsewhere: the keyframe goes
+  double redundant_share = 0.95;  // of a keyframe's close points seen elsewhere: the keyframe goes
   int redundant_sightings = 3;
   int cull_keyframes = 20;  // best covisible keyframes that are examined
   LocalBundleOptions bundle;
