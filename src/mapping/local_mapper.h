@@ -18,7 +18,7 @@ struct MappingOptions {
   int min_sightings = 2;          // keyframes that must see a point two keyframes after it was made
   int triangulate_neighbours = 10;
   double triangulate_ratio = 0.8;
-  int fuse_neighbours = 10;      // best covisible keyframes; each brings its best five
+  int fuse_neighbours = 10;       // best covisible keyframes; each brings its best five
   double redundant_share = 0.95;  // of a keyframe's close points seen elsewhere: the keyframe goes
   int redundant_sightings = 3;
   int cull_keyframes = 20;  // best covisible keyframes that are examined

@@ -234,8 +234,8 @@ TEST(LocalMapper, KeepsAKeyframeThatSeesPointsFinerOrAlone) {
   };
   EXPECT_EQ(first_removed(2, 0), KeyframeId{1});  // one octave finer is nothing
   EXPECT_EQ(first_removed(1, 0), KeyframeId{2});
-  EXPECT_EQ(first_removed(3, 3), KeyframeId{1});  // 30 of 33 points are well seen elsewhere
-  EXPECT_EQ(first_removed(3, 4), KeyframeId{2});  // 30 of 34
+  EXPECT_EQ(first_removed(3, 1), KeyframeId{1});  // 30 of 31 points are well seen elsewhere
+  EXPECT_EQ(first_removed(3, 2), KeyframeId{2});  // 30 of 32
 }
 
 }  // namespace

@@ -180,10 +180,9 @@ TEST(Slam, SequentialLabelsFallFartherAndFartherBehindAndBidirectionalOnesDoNot)
   const auto delays_in = [&](SelectionMode selection) {
     Options options = SmallOptions(true);
     options.semantic.selection = selection;
-    options.semantic.lockstep_delay_frames = 6;  // two masks in seven frames
-    options.tracking.policy.min_frames = 0;
-    options.tracking.policy.max_frames = 2;
-    options.tracking.policy.tracked_ratio = 1;
+    options.semantic.lockstep_delay_frames = 6;     // two masks in six frames
+    options.tracking.policy.close_tracked = 10000;  // each frame wants to be a keyframe
+    options.tracking.policy.close_untracked = 0;
     options.semantic.start_frames = 0;
     Slam slam(MakeSyntheticCamera(320, 240), options, TrueMasks(frames));
     std::vector<int> delays;
@@ -198,14 +197,14 @@ TEST(Slam, SequentialLabelsFallFartherAndFartherBehindAndBidirectionalOnesDoNot)
     };
     return std::array{median(0), median(frames.size() / 3), median(2 * frames.size() / 3)};
   };
-  // Two masks for three or four keyframes: nine frames more in a third, fewer where keyframes turn out redundant.
+  // Two masks for six keyframes: fourteen frames more in a third, fewer where keyframes turn out redundant.
   const auto [sequential_first, sequential_then, sequential_later] = delays_in(SelectionMode::kSequential);
-  EXPECT_GT(sequential_then, sequential_first + 6);
-  EXPECT_GT(sequential_later, sequential_then + 6);
+  EXPECT_GT(sequential_then, sequential_first + 10);
+  EXPECT_GT(sequential_later, sequential_then + 10);
   EXPECT_GT(sequential_later, 25);
   const auto [first, bidirectional_then, bidirectional_later] = delays_in(SelectionMode::kBidirectional);
   EXPECT_LE(bidirectional_later, bidirectional_then + 2);
-  EXPECT_LE(bidirectional_later, 14);  // two rounds of seven frames
+  EXPECT_LE(bidirectional_later, 14);  // two rounds of six frames, and two
 }
 
 struct Failure {
