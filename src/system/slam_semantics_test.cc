@@ -161,9 +161,9 @@ TEST(Slam, FramesBeforeTheFirstLabelAreTrackedAgainWhateverTheMomentItComes) {
     std::size_t next = kBefore;
     while (next < frames.size() && !slam.Process(frames[next++].rgbd).semantic_delay_frames) {
     }
+    opener.join();
     ASSERT_LT(next, frames.size()) << "no label came";
     static_cast<void>(slam.Process(frames[next].rgbd));  // tracks the frames before the label again, if not done yet
-    opener.join();
     const SlamResult result = slam.Finish();
     ASSERT_GE(result.frames.size(), kBefore);
     for (const StampedPose& pose : std::span(result.frames).first(kBefore)) {

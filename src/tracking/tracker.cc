@@ -210,7 +210,7 @@ bool Tracker::TrackReferenceKeyframe(TrackOutcome* outcome) {
   }
   Stopwatch watch;
   outliers_.clear();
-  prior_.reset();  // what was expected was wrong
+  prior_.reset();  // what was expected may be wrong
   current_.camera_from_world = last_.camera_from_world;
   std::vector<PointMatch> matches = MatchKeyframe(*reference, *current_.data, options_.reference_ratio);
   outcome->matching_ms += watch.Milliseconds();
@@ -239,7 +239,7 @@ bool Tracker::Regain(TrackOutcome* outcome) {
   return false;
 }
 
-// Nothing matched but what was known before.
+// Back to the pose that was expected before anything was matched.
 void Tracker::Expect(const PosePrior& expected) {
   prior_ = expected;
   current_.camera_from_world = expected.camera_from_world;
@@ -317,7 +317,7 @@ bool Tracker::StandsFirm() const {
   return inliers >= enough || association_.static_count >= std::max(enough_static, 1);
 }
 
-// As many matches of a wide window agree with a pose that is wrong by chance.
+// With a pose that is wrong, wide windows find many matches, of which some agree by chance.
 bool Tracker::MostlyOutliers() const { return 2 * association_.used.size() < outliers_.size(); }
 
 void Tracker::CountUse(const LocalSearch& search) {
