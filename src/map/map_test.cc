@@ -161,5 +161,18 @@ TEST(LocalMap, IsBounded) {
   EXPECT_EQ(BuildLocalMap(pair.map, pair.map.newest(), options)->keyframes.size(), 5U);
 }
 
+TEST(LocalMap, MostSharedIsTheKeyframeThatSeesMostOfTheMarkedPointsTheNewestOfEquals) {
+  LocalMap local;
+  for (std::uint32_t k = 0; k < 3; ++k) {
+    local.keyframes.push_back({KeyframeId{k}, FrameId{k}, {}, nullptr, {}});
+  }
+  local.keyframes[0].links = {{0, 0}, {1, 1}, {2, 2}};
+  local.keyframes[1].links = {{0, 1}, {1, 3}};
+  local.keyframes[2].links = {{0, 4}};
+  EXPECT_EQ(local.MostShared(std::vector<std::uint8_t>{1, 1, 1, 1, 1}).id, KeyframeId{0});
+  EXPECT_EQ(local.MostShared(std::vector<std::uint8_t>{1, 1, 0, 1, 0}).id, KeyframeId{1});
+  EXPECT_EQ(local.MostShared(std::vector<std::uint8_t>{0, 0, 0, 0, 0}).id, KeyframeId{2});
+}
+
 }  // namespace
 }  // namespace rds
