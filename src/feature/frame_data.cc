@@ -21,8 +21,8 @@ ScalePyramid::ScalePyramid(int levels_, double factor_) : levels(levels_), facto
 int ScalePyramid::PredictLevel(double max_distance_m, double distance_m) const {
   const auto ratio = static_cast<float>(max_distance_m / distance_m);
   int level = 0;
-  while (level < levels - 1 && scale[static_cast<std::size_t>(level)] < ratio) {
-    ++level;
+  for (std::size_t i = 0; i + 1 < scale.size(); ++i) {  // without branches: the level is hard to guess
+    level += static_cast<int>(scale[i] < ratio);
   }
   return level;
 }
@@ -64,7 +64,8 @@ FrameData::FrameData(const PinholeCamera& camera, std::vector<Keypoint> keypoint
   std::vector<std::uint16_t> next(cell_start_.begin(), cell_start_.end() - 1);
   for (std::size_t i = 0; i < keypoints_.size(); ++i) {
     const Keypoint& keypoint = keypoints_[i];
-    cell_items_[next[cell_of(keypoint)]++] = {keypoint.x, keypoint.y, static_cast<std::uint16_t>(i), keypoint.octave};
+    cell_items_[next[cell_of(keypoint)]++] = {keypoint.x, keypoint.y, keypoint.right_x, static_cast<std::uint16_t>(i),
+                                              keypoint.octave};
   }
 }
 

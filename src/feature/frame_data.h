@@ -90,8 +90,17 @@ class FrameData {
     return x >= min_x_ && x < max_x_ && y >= min_y_ && y < max_y_;
   }
 
-  // Calls visit(index) for each keypoint with |dx| < radius_px, |dy| < radius_px and min_octave <= octave <=
-  // max_octave, in a fixed order.
+  // What a window search must know of each keypoint, so that it reads them in one run.
+  struct GridItem {
+    float x = 0;  // undistorted pixel
+    float y = 0;
+    float right_x = -1;  // as in Keypoint
+    std::uint16_t index = 0;
+    std::uint8_t octave = 0;
+  };
+
+  // Calls visit(item) for each keypoint with |dx| < radius_px, |dy| < radius_px and min_octave <= octave <= max_octave,
+  // in a fixed order.
   template <typename Visitor>
   void ForEachInWindow(float x, float y, float radius_px, int min_octave, int max_octave, Visitor&& visit) const;
 
@@ -114,14 +123,7 @@ class FrameData {
   float columns_per_px_ = 0;
   float rows_per_px_ = 0;
   std::vector<std::uint16_t> cell_start_;  // kGridRows * kGridColumns + 1 offsets into cell_items_, row by row
-  // What a window search must know of each keypoint, cell by cell, ascending by index in each: read in one run.
-  struct CellItem {
-    float x = 0;
-    float y = 0;
-    std::uint16_t index = 0;
-    std::uint8_t octave = 0;
-  };
-  std::vector<CellItem> cell_items_;
+  std::vector<GridItem> cell_items_;       // cell by cell, ascending by index in each
 };
 
 template <typename Visitor>
@@ -131,11 +133,11 @@ void FrameData::ForEachInWindow(float x, float y, float radius_px, int min_octav
   const int last_column = Column(x + radius_px);
   const int last_row = Row(y + radius_px);
   // Collected without branches, which would be guessed wrong half the time, and visited afterwards.
-  std::array<std::uint16_t, 64> inside;
+  std::array<const GridItem*, 64> inside;
   std::size_t count = 0;
   const auto visit_all = [&] {
     for (std::size_t k = 0; k < count; ++k) {
-      visit(static_cast<std::size_t>(inside[k]));
+      visit(*inside[k]);
     }
     count = 0;
   };
@@ -144,8 +146,8 @@ void FrameData::ForEachInWindow(float x, float y, float radius_px, int min_octav
     const auto cell = static_cast<std::size_t>(row * kGridColumns);
     const std::size_t end = cell_start_[cell + static_cast<std::size_t>(last_column) + 1];
     for (std::size_t i = cell_start_[cell + static_cast<std::size_t>(first_column)]; i < end; ++i) {
-      const CellItem& item = cell_items_[i];
-      inside[count] = item.index;
+      const GridItem& item = cell_items_[i];
+      inside[count] = &item;
       count += static_cast<std::size_t>(
           static_cast<int>(item.octave >= min_octave) & static_cast<int>(item.octave <= max_octave) &
           static_cast<int>(std::abs(item.x - x) < radius_px) & static_cast<int>(std::abs(item.y - y) < radius_px));

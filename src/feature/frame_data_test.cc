@@ -76,7 +76,8 @@ TEST(FrameData, WindowSearchEqualsBruteForce) {
       }
     }
     std::vector<std::size_t> found;
-    frame.ForEachInWindow(x, y, radius, min_octave, max_octave, [&found](std::size_t k) { found.push_back(k); });
+    frame.ForEachInWindow(x, y, radius, min_octave, max_octave,
+                          [&found](const FrameData::GridItem& item) { found.push_back(item.index); });
     ASSERT_THAT(found, testing::UnorderedElementsAreArray(expected));
   }
 }

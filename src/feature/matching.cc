@@ -7,27 +7,24 @@ namespace rds {
 
 Candidate FindBest(const FrameData& frame, const SearchWindow& window, const Descriptor& descriptor) {
   Candidate best;
-  const auto keypoints = frame.keypoints();
   const auto descriptors = frame.descriptors();
-  frame.ForEachInWindow(window.x, window.y, window.radius_px, window.min_octave, window.max_octave,
-                        [&](std::size_t index) {
-                          const Keypoint& keypoint = keypoints[index];
-                          if (window.right_x >= 0 && keypoint.right_x >= 0 &&
-                              std::abs(window.right_x - keypoint.right_x) > window.radius_px) {
-                            return;
-                          }
-                          const int distance = HammingDistance(descriptor, descriptors[index]);
-                          if (distance < best.distance) {
-                            best.second_distance = best.distance;
-                            best.second_octave = best.octave;
-                            best.distance = distance;
-                            best.octave = keypoint.octave;
-                            best.keypoint = static_cast<int>(index);
-                          } else if (distance < best.second_distance) {
-                            best.second_distance = distance;
-                            best.second_octave = keypoint.octave;
-                          }
-                        });
+  frame.ForEachInWindow(
+      window.x, window.y, window.radius_px, window.min_octave, window.max_octave, [&](const FrameData::GridItem& item) {
+        if (window.right_x >= 0 && item.right_x >= 0 && std::abs(window.right_x - item.right_x) > window.radius_px) {
+          return;
+        }
+        const int distance = HammingDistance(descriptor, descriptors[item.index]);
+        if (distance < best.distance) {
+          best.second_distance = best.distance;
+          best.second_octave = best.octave;
+          best.distance = distance;
+          best.octave = item.octave;
+          best.keypoint = item.index;
+        } else if (distance < best.second_distance) {
+          best.second_distance = distance;
+          best.second_octave = item.octave;
+        }
+      });
   return best;
 }
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 #include <cstring>
-#include <numbers>
+#include <opencv2/core.hpp>
 
 #include "feature/orb_pattern.h"
 
@@ -37,9 +37,8 @@ constexpr MomentWeights kMomentWeights = MakeMomentWeights();
 }  // namespace
 
 float Orientation::AngleDeg() const {
-  const float angle = std::atan2(sine, cosine) * static_cast<float>(180 / std::numbers::pi);
-  const float positive = angle < 0 ? angle + 360 : angle;
-  return positive < 360 ? positive : 0;
+  const float angle = cv::fastAtan2(sine, cosine);
+  return angle < 360 ? angle : 0;
 }
 
 Orientation OrientationAt(const std::uint8_t* centre, std::ptrdiff_t stride) {

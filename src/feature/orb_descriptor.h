@@ -17,7 +17,7 @@ struct Orientation {
   float cosine = 1;
   float sine = 0;
 
-  // [0, 360)
+  // [0, 360), to 0.3 degrees.
   [[nodiscard]] float AngleDeg() const;
 };
 

@@ -1,6 +1,7 @@
 // Grey images of the ORB extractor: conversion, pyramid, blur. All integer arithmetic.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -10,8 +11,9 @@
 
 namespace rds {
 
-// A grey image whose buffer lasts: Resize to the same size costs nothing. A few bytes beyond each row's end may be read
-// and (in ascending order of rows) written, so that loops over whole vectors need no remainder. Not thread-safe.
+// A grey image whose buffer lasts: Resize to a size that it had before costs nothing. A few bytes beyond each row's end
+// may be read and (in ascending order of rows) written, so that loops over whole vectors need no remainder. Not
+// thread-safe.
 class GreyPlane {
  public:
   static constexpr int kPadding = 128;  // readable and writable bytes after the last row
@@ -19,7 +21,7 @@ class GreyPlane {
   void Resize(int width, int height) {
     width_ = width;
     height_ = height;
-    data_.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) + kPadding);
+    data_.resize(std::max(data_.size(), static_cast<std::size_t>(width) * static_cast<std::size_t>(height) + kPadding));
   }
   [[nodiscard]] int width() const { return width_; }
   [[nodiscard]] int height() const { return height_; }

@@ -1,6 +1,7 @@
 #include "map/local_map.h"
 
 #include <algorithm>
+#include <numeric>
 
 #include "base/error.h"
 
@@ -84,6 +85,7 @@ std::shared_ptr<const LocalMap> BuildLocalMap(const Map& map, KeyframeId centre,
     }
     local->keyframes.push_back(std::move(copy));
   }
+  local->CollectViews();
   local->replaced = map.RecentReplacements();
   local->keyframes_in_map = static_cast<int>(map.keyframes().size());
   local->points_in_map = static_cast<int>(map.point_count());
@@ -102,20 +104,32 @@ std::optional<std::uint32_t> LocalMap::IndexOf(PointId id) const {
   return std::nullopt;
 }
 
-const LocalKeyframe& LocalMap::MostShared(std::span<const std::uint8_t> marked) const {
-  const LocalKeyframe* best = &keyframes.back();
-  int most = -1;
-  for (const LocalKeyframe& keyframe : keyframes) {
-    int shared = 0;
-    for (const LocalKeyframe::Link& link : keyframe.links) {
-      shared += marked[link.point];
-    }
-    if (shared >= most) {
-      most = shared;
-      best = &keyframe;
+const LocalKeyframe& LocalMap::MostShared(std::span<const std::uint32_t> points) const {
+  std::vector<int> shared(keyframes.size(), 0);
+  for (const std::uint32_t point : points) {
+    for (std::uint32_t i = first_view[point]; i < first_view[point + 1]; ++i) {
+      ++shared[views[i]];
     }
   }
-  return *best;
+  const auto most = std::ranges::max_element(shared.rbegin(), shared.rend());
+  return keyframes[static_cast<std::size_t>(shared.rend() - most) - 1];
+}
+
+void LocalMap::CollectViews() {
+  first_view.assign(size() + 1, 0);
+  for (const LocalKeyframe& keyframe : keyframes) {
+    for (const LocalKeyframe::Link& link : keyframe.links) {
+      ++first_view[link.point + 1];
+    }
+  }
+  std::partial_sum(first_view.begin(), first_view.end(), first_view.begin());
+  views.resize(first_view.back());
+  std::vector<std::uint32_t> next(first_view.begin(), first_view.end() - 1);
+  for (std::size_t k = 0; k < keyframes.size(); ++k) {
+    for (const LocalKeyframe::Link& link : keyframes[k].links) {
+      views[next[link.point]++] = static_cast<std::uint16_t>(k);
+    }
+  }
 }
 
 const LocalKeyframe* LocalMap::Find(KeyframeId id) const {

@@ -41,6 +41,9 @@ struct LocalMap {
   std::vector<std::uint8_t> sightings;   // keyframes that see it, 255 at most
   std::vector<std::uint8_t> confirmed;   // 1 = seen by enough keyframes to count as tracked (keyframe policy)
   std::vector<LocalKeyframe> keyframes;  // ascending by id
+  // Keyframes (index) that see point i: views[first_view[i]] up to views[first_view[i + 1]], ascending.
+  std::vector<std::uint32_t> first_view;
+  std::vector<std::uint16_t> views;
   std::vector<std::pair<PointId, PointId>> replaced;  // recently fused ids and what they became, ascending
   int keyframes_in_map = 0;
   int points_in_map = 0;
@@ -51,10 +54,12 @@ struct LocalMap {
   }
   // Index of a point, fusions followed; nothing if it is not in this snapshot.
   [[nodiscard]] std::optional<std::uint32_t> IndexOf(PointId id) const;
-  // The keyframe that sees most of the points marked (one flag a point), the newest of equals.
-  [[nodiscard]] const LocalKeyframe& MostShared(std::span<const std::uint8_t> marked) const;
+  // The keyframe that sees most of these points (indices), the newest of equals.
+  [[nodiscard]] const LocalKeyframe& MostShared(std::span<const std::uint32_t> points) const;
   // Null if it is not in this snapshot.
   [[nodiscard]] const LocalKeyframe* Find(KeyframeId id) const;
+  // Fills the views from the keyframes' links.
+  void CollectViews();
 };
 
 // Copies the surroundings of `centre`: itself, its covisible keyframes, their best neighbours, parents and children,

@@ -161,7 +161,7 @@ TEST(LocalMap, IsBounded) {
   EXPECT_EQ(BuildLocalMap(pair.map, pair.map.newest(), options)->keyframes.size(), 5U);
 }
 
-TEST(LocalMap, MostSharedIsTheKeyframeThatSeesMostOfTheMarkedPointsTheNewestOfEquals) {
+TEST(LocalMap, MostSharedIsTheKeyframeThatSeesMostOfThePointsTheNewestOfEquals) {
   LocalMap local;
   for (std::uint32_t k = 0; k < 3; ++k) {
     local.keyframes.push_back({KeyframeId{k}, FrameId{k}, {}, nullptr, {}});
@@ -169,9 +169,11 @@ TEST(LocalMap, MostSharedIsTheKeyframeThatSeesMostOfTheMarkedPointsTheNewestOfEq
   local.keyframes[0].links = {{0, 0}, {1, 1}, {2, 2}};
   local.keyframes[1].links = {{0, 1}, {1, 3}};
   local.keyframes[2].links = {{0, 4}};
-  EXPECT_EQ(local.MostShared(std::vector<std::uint8_t>{1, 1, 1, 1, 1}).id, KeyframeId{0});
-  EXPECT_EQ(local.MostShared(std::vector<std::uint8_t>{1, 1, 0, 1, 0}).id, KeyframeId{1});
-  EXPECT_EQ(local.MostShared(std::vector<std::uint8_t>{0, 0, 0, 0, 0}).id, KeyframeId{2});
+  local.ids.resize(5);
+  local.CollectViews();
+  EXPECT_EQ(local.MostShared(std::vector<std::uint32_t>{0, 1, 2, 3, 4}).id, KeyframeId{0});
+  EXPECT_EQ(local.MostShared(std::vector<std::uint32_t>{0, 1, 3}).id, KeyframeId{1});
+  EXPECT_EQ(local.MostShared(std::vector<std::uint32_t>{}).id, KeyframeId{2});
 }
 
 }  // namespace

@@ -110,22 +110,22 @@ std::vector<Fusion> FindFusions(const Map& map, const Keyframe& keyframe, const 
     const double right_x = pixel.x() - camera.Bf() / in_camera.z();
     int best = kStrictDistance + 1;
     std::uint32_t chosen = 0;
-    data.ForEachInWindow(
-        static_cast<float>(pixel.x()), static_cast<float>(pixel.y()), radius, level - 1, level, [&](std::size_t i) {
-          const Keypoint& keypoint = data.keypoints()[i];
-          const double dx = pixel.x() - static_cast<double>(keypoint.x);
-          const double dy = pixel.y() - static_cast<double>(keypoint.y);
-          const double dr = keypoint.HasDepth() ? right_x - static_cast<double>(keypoint.right_x) : 0.0;
-          const double bound = keypoint.HasDepth() ? kChi2Depth : kChi2Mono;
-          if ((dx * dx + dy * dy + dr * dr) * map.pyramid().inverse_sigma2[keypoint.octave] > bound) {
-            return;
-          }
-          const int hamming = HammingDistance(point.descriptor, data.descriptors()[i]);
-          if (hamming < best) {
-            best = hamming;
-            chosen = static_cast<std::uint32_t>(i);
-          }
-        });
+    data.ForEachInWindow(static_cast<float>(pixel.x()), static_cast<float>(pixel.y()), radius, level - 1, level,
+                         [&](const FrameData::GridItem& item) {
+                           const bool has_depth = data.keypoints()[item.index].HasDepth();
+                           const double dx = pixel.x() - static_cast<double>(item.x);
+                           const double dy = pixel.y() - static_cast<double>(item.y);
+                           const double dr = has_depth ? right_x - static_cast<double>(item.right_x) : 0.0;
+                           const double bound = has_depth ? kChi2Depth : kChi2Mono;
+                           if ((dx * dx + dy * dy + dr * dr) * map.pyramid().inverse_sigma2[item.octave] > bound) {
+                             return;
+                           }
+                           const int hamming = HammingDistance(point.descriptor, data.descriptors()[item.index]);
+                           if (hamming < best) {
+                             best = hamming;
+                             chosen = item.index;
+                           }
+                         });
     if (best <= kStrictDistance) {
       fusions.push_back({id, chosen});
     }

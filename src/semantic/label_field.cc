@@ -4,7 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "semantic/grid_warp.h"
 #include "semantic/moving_probability.h"
 
 namespace rds {
@@ -85,24 +84,26 @@ std::vector<SampleMotion> MarkMoving(const DepthGrid& grid, std::span<const Surf
 
 }  // namespace
 
-std::vector<double> KeypointProbabilities(const LabelField& field, const FrameData& later,
-                                          const Rigid3& later_from_field, const SurfaceLabelOptions& options) {
-  std::vector<double> result(later.size(), kUnknownProbability);
-  const GridWarp warp(field.camera, later_from_field.Inverse());
-  for (std::size_t i = 0; i < result.size(); ++i) {
-    const Keypoint& keypoint = later.keypoints()[i];
-    if (!keypoint.HasDepth()) {
-      continue;
-    }
-    const SurfaceLabel label =
-        LabelAt(field, warp({keypoint.raw_x / kDepthGridStep, keypoint.raw_y / kDepthGridStep, keypoint.depth_m}));
-    if (!label.IsKnown()) {
-      continue;
-    }
-    const double p = kNear + (kFar - kNear) * label.distance_px / options.Reach(label.dynamic);
-    result[i] = label.dynamic ? p : 1 - p;
+KeypointProbabilities::KeypointProbabilities(std::shared_ptr<const LabelField> field,
+                                             std::shared_ptr<const FrameData> later, const Rigid3& later_from_field,
+                                             const SurfaceLabelOptions& options)
+    : field_(std::move(field)),
+      later_(std::move(later)),
+      field_from_later_(field_->camera, later_from_field.Inverse()),
+      options_(options) {}
+
+double KeypointProbabilities::operator[](std::size_t keypoint) const {
+  const Keypoint& here = later_->keypoints()[keypoint];
+  if (!here.HasDepth()) {
+    return kUnknownProbability;
   }
-  return result;
+  const SurfaceLabel label =
+      LabelAt(*field_, field_from_later_({here.raw_x / kDepthGridStep, here.raw_y / kDepthGridStep, here.depth_m}));
+  if (!label.IsKnown()) {
+    return kUnknownProbability;
+  }
+  const double p = kNear + (kFar - kNear) * label.distance_px / options_.Reach(label.dynamic);
+  return label.dynamic ? p : 1 - p;
 }
 
 std::vector<std::uint8_t> StaticSamples(const LabelField& field, const FrameData& later, const Rigid3& later_from_field,

@@ -11,6 +11,7 @@
 #include "base/ids.h"
 #include "feature/frame_data.h"
 #include "semantic/free_space.h"
+#include "semantic/grid_warp.h"
 #include "semantic/surface_labels.h"
 
 namespace rds {
@@ -33,14 +34,26 @@ struct LabelField {
 
 // Moving probability of each keypoint of a later frame of the same camera, by the labels of the surface that it lies
 // on; 1/2 where there is none. Surfaces are found again by their depth near the place where they would be if they kept
-// still, so that those of walking people are found, too; static ones hold at their place only. `later_from_field` is
-// the motion of the camera. Re-entrant.
-[[nodiscard]] std::vector<double> KeypointProbabilities(const LabelField& field, const FrameData& later,
-                                                        const Rigid3& later_from_field,
-                                                        const SurfaceLabelOptions& options);
+// still, so that those of walking people are found, too; static ones hold at their place only. Looked up when asked
+// for. Immutable: safe to share.
+class KeypointProbabilities {
+ public:
+  // `later_from_field` is the motion of the camera.
+  KeypointProbabilities(std::shared_ptr<const LabelField> field, std::shared_ptr<const FrameData> later,
+                        const Rigid3& later_from_field, const SurfaceLabelOptions& options);
+
+  [[nodiscard]] std::size_t size() const { return later_->size(); }
+  [[nodiscard]] double operator[](std::size_t keypoint) const;
+
+ private:
+  std::shared_ptr<const LabelField> field_;
+  std::shared_ptr<const FrameData> later_;
+  GridWarp field_from_later_;
+  SurfaceLabelOptions options_;
+};
 
 // 1 for each sample of a later frame's depth grid that lies on a surface called static, 0 elsewhere. Looks only at
-// every `step`-th sample in each direction, from step / 2 on. Otherwise like KeypointProbabilities.
+// every `step`-th sample in each direction, from step / 2 on. Otherwise like KeypointProbabilities. Re-entrant.
 [[nodiscard]] std::vector<std::uint8_t> StaticSamples(const LabelField& field, const FrameData& later,
                                                       const Rigid3& later_from_field, int step);
 

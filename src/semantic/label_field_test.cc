@@ -210,7 +210,7 @@ TEST(KeypointProbabilities, AreThoseOfTheSurfaceThatTheKeypointLiesOn) {
                                    KeypointAt(30, kRow, 0),                     // no depth
                                    KeypointAt(30, kRow, 1.05F * kBoardDepth),   // it has moved away a little
                                    KeypointAt(60, kRow, 0.95F * kWallDepth)});  // walls do not: this is something else
-  const std::vector<double> p = KeypointProbabilities(*field, *later, {}, {});
+  const KeypointProbabilities p(field, later, {}, {});
   ASSERT_EQ(p.size(), 7U);
   EXPECT_DOUBLE_EQ(p[0], 0.88);
   EXPECT_DOUBLE_EQ(p[1], 0.88);
@@ -225,11 +225,11 @@ TEST(KeypointProbabilities, FadeWithTheDistanceOfTheLabel) {
   LabelCarrier carrier({}, NoSpace());
   const auto field = Walk(carrier, 1, 0, {Labelled(0, {20, 40})});
   const auto later = SeeBoard({}, {KeypointAt(30, kRow, kBoardDepth), KeypointAt(60, kRow, kWallDepth)});
-  double dynamic = KeypointProbabilities(*field, *later, {}, {})[0];
-  double fixed = KeypointProbabilities(*field, *later, {}, {})[1];
+  double dynamic = KeypointProbabilities(field, later, {}, {})[0];
+  double fixed = KeypointProbabilities(field, later, {}, {})[1];
   for (const std::uint32_t frame : {5U, 10U, 15U, 20U}) {
     const auto handed_on = carrier.Next(FrameId{frame}, *SeeBoard({20, 40}), {}, std::vector<SeenView>{});
-    const std::vector<double> p = KeypointProbabilities(*handed_on, *later, {}, {});
+    const KeypointProbabilities p(handed_on, later, {}, {});
     EXPECT_LT(p[0], dynamic);
     EXPECT_GT(p[1], fixed);
     EXPECT_EQ(StateOf(p[0], {}), PointState::kDynamic);
@@ -245,7 +245,7 @@ TEST(KeypointProbabilities, LookWhereTheCameraHasMovedTo) {
   Rigid3 later_from_field;
   later_from_field.translation = {-0.24, 0, 0};  // the board is ten samples to the left now
   const auto later = SeeBoard({}, {KeypointAt(12, kRow, kBoardDepth), KeypointAt(35, kRow, kBoardDepth)});
-  const std::vector<double> p = KeypointProbabilities(*field, *later, later_from_field, {});
+  const KeypointProbabilities p(field, later, later_from_field, {});
   EXPECT_DOUBLE_EQ(p[0], 0.88);
   EXPECT_DOUBLE_EQ(p[1], kUnknownProbability);
 }

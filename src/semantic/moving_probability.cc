@@ -37,13 +37,6 @@ MovingProbabilities::~MovingProbabilities() {
   }
 }
 
-double MovingProbabilities::Get(PointId id) const {
-  const std::size_t index = id.index() / kBlock;
-  const Block* block = index < blocks_.size() ? blocks_[index].load(std::memory_order_acquire) : nullptr;
-  return block == nullptr ? kUnknownProbability
-                          : static_cast<double>(block->values[id.index() % kBlock].load(std::memory_order_relaxed));
-}
-
 void MovingProbabilities::Set(PointId id, double probability) {
   const std::size_t index = id.index() / kBlock;
   Check(index < blocks_.size(), "point ids stay below 2^28");

@@ -41,7 +41,12 @@ class MovingProbabilities {
   MovingProbabilities& operator=(const MovingProbabilities&) = delete;
 
   // .5 for points never set.
-  [[nodiscard]] double Get(PointId id) const;
+  [[nodiscard]] double Get(PointId id) const {
+    const std::size_t index = id.index() / kBlock;
+    const Block* block = index < blocks_.size() ? blocks_[index].load(std::memory_order_acquire) : nullptr;
+    return block == nullptr ? kUnknownProbability
+                            : static_cast<double>(block->values[id.index() % kBlock].load(std::memory_order_relaxed));
+  }
   void Set(PointId id, double probability);
   // UpdateProbability in place.
   void Observe(PointId id, bool dynamic, const MovingProbabilityOptions& options);

@@ -272,8 +272,8 @@ FrameResult Slam::Impl::Process(const RgbdFrame& frame) {
   auto data = std::make_shared<const FrameData>(extractor_.Extract(
       camera_, *frame.image, *frame.depth, labels ? std::span(labels->motion) : std::span<const SampleMotion>()));
   result.timing.extraction_ms = watch.Milliseconds();
-  const TrackOutcome outcome = tracker_->Track(result.frame, frame.timestamp_s, data,
-                                               shared_->pipeline.CurrentLocalMap(), Status(), labels.get());
+  const TrackOutcome outcome =
+      tracker_->Track(result.frame, frame.timestamp_s, data, shared_->pipeline.CurrentLocalMap(), Status(), labels);
   AddEntry(frame.timestamp_s, outcome);
   const bool hold = starting_ && !start_.empty();
   result.is_keyframe = outcome.wants_keyframe && !hold && OfferKeyframe(frame.timestamp_s, frame.image, false);

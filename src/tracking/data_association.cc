@@ -24,7 +24,8 @@ void ScaleToOne(std::vector<PointMatch>& matches) {
 }  // namespace
 
 Association SelectMatches(std::span<const PointMatch> matches, const LocalMap& map,
-                          const MovingProbabilities& probabilities, std::span<const double> keypoint_probabilities,
+                          const MovingProbabilities& probabilities,
+                          const std::function<double(std::uint32_t)>& keypoint_probability,
                           const AssociationOptions& options) {
   Association result;
   if (!options.use_semantics) {
@@ -34,8 +35,8 @@ Association SelectMatches(std::span<const PointMatch> matches, const LocalMap& m
   std::vector<PointMatch> unknown;
   for (PointMatch match : matches) {
     double p = probabilities.Get(map.ids[match.point]);
-    if (!keypoint_probabilities.empty() && StateOf(p, options.probability) == PointState::kUnknown) {
-      p = keypoint_probabilities[match.keypoint];
+    if (keypoint_probability && StateOf(p, options.probability) == PointState::kUnknown) {
+      p = keypoint_probability(match.keypoint);
     }
     match.state = StateOf(p, options.probability);
     match.weight = (1.0 - p) * Proven(map, match.point, options);

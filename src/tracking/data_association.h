@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -45,10 +46,10 @@ struct Association {
 };
 
 // Classifies matches by the probabilities of this moment and selects the ones to use. A point of unknown state has the
-// probability of its keypoint (one for each of the frame, or none at all). Re-entrant.
+// probability of its keypoint (none: no labels). Re-entrant.
 [[nodiscard]] Association SelectMatches(std::span<const PointMatch> matches, const LocalMap& map,
                                         const MovingProbabilities& probabilities,
-                                        std::span<const double> keypoint_probabilities,
+                                        const std::function<double(std::uint32_t)>& keypoint_probability,
                                         const AssociationOptions& options);
 
 }  // namespace rds

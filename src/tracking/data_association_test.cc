@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <span>
+#include <functional>
 #include <vector>
 
 namespace rds {
@@ -23,7 +23,8 @@ struct Scene {
       matches.push_back({index, index, PointState::kUnknown, 1.0});
     }
   }
-  [[nodiscard]] Association Select(const AssociationOptions& options, std::span<const double> keypoints = {}) const {
+  [[nodiscard]] Association Select(const AssociationOptions& options,
+                                   const std::function<double(std::uint32_t)>& keypoints = {}) const {
     return SelectMatches(matches, map, probabilities, keypoints, options);
   }
 };
@@ -87,8 +88,7 @@ TEST(DataAssociation, AKeypointsLabelSpeaksForAnUnknownPointOnly) {
   Scene scene;
   scene.Add(1, 0.5);
   scene.Add(1, 0.1);
-  const std::vector<double> keypoints = {0.9, 0.9};
-  const Association association = scene.Select({}, keypoints);
+  const Association association = scene.Select({}, [](std::uint32_t) { return 0.9; });
   ASSERT_EQ(association.dynamic.size(), 1U);
   EXPECT_EQ(association.dynamic[0].point, 0U);
   ASSERT_EQ(association.used.size(), 1U);

@@ -1,37 +1,36 @@
 // How often points were there to be seen, and found.
 #pragma once
 
+#include <cstdint>
+#include <memory>
 #include <vector>
 
-#include "base/ids.h"
 #include "map/keyframe_candidate.h"
+#include "map/local_map.h"
 
 namespace rds {
 
 // Counts since the last keyframe, which takes them to the map. Not thread-safe.
 class PointUses {
  public:
-  void CountVisible(PointId point) { ++Of(point).visible; }
-  void CountFound(PointId point) { ++Of(point).found; }
-  // All points that were counted, in the order in which they first were.
+  // From now on points are those of this snapshot.
+  void Rebase(std::shared_ptr<const LocalMap> map);
+  void CountVisible(std::uint32_t point) { ++counts_[point].visible; }
+  void CountFound(std::uint32_t point) { ++counts_[point].found; }
+  // All points that were counted. Those of one snapshot are ascending; a point of several has an entry for each.
   [[nodiscard]] std::vector<PointUse> List() const;
   void Clear();
 
  private:
-  PointUse& Of(PointId point) {
-    if (uses_.size() <= point.index()) {
-      uses_.resize(point.index() + 1);
-    }
-    PointUse& use = uses_[point.index()];
-    if (!use.point.valid()) {
-      use.point = point;
-      used_.push_back(point);
-    }
-    return use;
-  }
+  struct Counts {
+    int visible = 0;
+    int found = 0;
+  };
+  void AppendCounts(std::vector<PointUse>* uses) const;
 
-  std::vector<PointUse> uses_;  // by point id, value-initialised where unused
-  std::vector<PointId> used_;   // ids whose entry is in use
+  std::shared_ptr<const LocalMap> map_;
+  std::vector<Counts> counts_;    // by point of the snapshot
+  std::vector<PointUse> before_;  // of earlier snapshots
 };
 
 }  // namespace rds

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "base/error.h"
@@ -20,7 +21,8 @@ Tracker::Tracker(const TrackerOptions& options, const PoseOptimizerOptions& pose
       motion_(options.motion) {}
 
 TrackOutcome Tracker::Track(FrameId frame, double timestamp_s, std::shared_ptr<const FrameData> data,
-                            std::shared_ptr<const LocalMap> map, const WorkerStatus& status, const LabelField* labels) {
+                            std::shared_ptr<const LocalMap> map, const WorkerStatus& status,
+                            std::shared_ptr<const LabelField> labels) {
   const bool map_changed = map != map_;
   map_ = std::move(map);
   if (started_) {
@@ -33,10 +35,10 @@ TrackOutcome Tracker::Track(FrameId frame, double timestamp_s, std::shared_ptr<c
   current_.points.assign(current_.data->size(), PointId{});
   association_ = {};
   outliers_.clear();
-  keypoint_probabilities_.clear();
+  keypoint_probability_ = nullptr;
   static_samples_.clear();
   if (labels != nullptr && last_.tracked) {
-    LookUp(*labels);
+    LookUp(std::move(labels));
   }
   TrackOutcome outcome;
   if (map_ == nullptr) {
@@ -47,18 +49,21 @@ TrackOutcome Tracker::Track(FrameId frame, double timestamp_s, std::shared_ptr<c
   return outcome;
 }
 
-void Tracker::LookUp(const LabelField& labels) {
+void Tracker::LookUp(std::shared_ptr<const LabelField> labels) {
   const Rigid3 expected =
       motion_.Predict(current_.timestamp_s - last_.timestamp_s).value_or(Rigid3{}) * last_.camera_from_world;
-  const Rigid3 now_from_labels = expected * labels.camera_from_world.Inverse();
-  keypoint_probabilities_ = KeypointProbabilities(labels, *current_.data, now_from_labels, options_.surface);
+  const Rigid3 now_from_labels = expected * labels->camera_from_world.Inverse();
   if (options_.alignment.enabled) {
-    static_samples_ = StaticSamples(labels, *current_.data, now_from_labels, kAlignmentStep);
+    static_samples_ = StaticSamples(*labels, *current_.data, now_from_labels, kAlignmentStep);
   }
+  keypoint_probability_ = [probabilities = KeypointProbabilities(std::move(labels), current_.data, now_from_labels,
+                                                                 options_.surface)](std::uint32_t keypoint) {
+    return probabilities[keypoint];
+  };
 }
 
 Association Tracker::Select(std::span<const PointMatch> matches) const {
-  return SelectMatches(matches, *map_, probabilities_, keypoint_probabilities_, options_.association);
+  return SelectMatches(matches, *map_, probabilities_, keypoint_probability_, options_.association);
 }
 
 void Tracker::TrackInMap(const WorkerStatus& status, bool map_changed, TrackOutcome* outcome) {
@@ -129,6 +134,7 @@ void Tracker::Rebase() {
     last_.camera_from_world = last_.camera_from_reference * reference->camera_from_world;
   }
   last_.sightings = FindSightings(last_.points, *map_);
+  uses_.Rebase(map_);
 }
 
 // Surfaces say where the camera is without knowing a point; with semantics only static ones do.
@@ -322,20 +328,19 @@ bool Tracker::MostlyOutliers() const { return 2 * association_.used.size() < out
 
 void Tracker::CountUse(const LocalSearch& search) {
   for (const std::uint32_t point : search.visible) {
-    uses_.CountVisible(map_->ids[point]);
+    uses_.CountVisible(point);
   }
   for (const auto* matches : {&association_.used, &association_.set_aside}) {
     for (const PointMatch& match : *matches) {
-      uses_.CountFound(map_->ids[match.point]);
+      uses_.CountFound(match.point);
     }
   }
 }
 
 void Tracker::ChooseReference(TrackOutcome* outcome) {
-  std::vector<std::uint8_t> seen(map_->size(), 0);
-  for (const PointMatch& match : association_.used) {
-    seen[match.point] = 1;
-  }
+  std::vector<std::uint32_t> seen;
+  seen.reserve(association_.used.size());
+  std::ranges::transform(association_.used, std::back_inserter(seen), &PointMatch::point);
   const LocalKeyframe& best = map_->MostShared(seen);
   current_.reference = best.id;
   current_.camera_from_reference = current_.camera_from_world * best.camera_from_world.Inverse();
@@ -383,7 +388,9 @@ KeyframeCandidate Tracker::MakeCandidate() {
   for (const PointMatch& match : association_.dynamic) {
     candidate.blocked.push_back(match.keypoint);
   }
-  candidate.probabilities = std::move(keypoint_probabilities_);
+  for (std::uint32_t i = 0; keypoint_probability_ && i < current_.data->size(); ++i) {
+    candidate.probabilities.push_back(keypoint_probability_(i));
+  }
   candidate.uses = uses_.List();
   return candidate;
 }

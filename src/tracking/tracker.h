@@ -1,6 +1,7 @@
 // Tracking: the pose of each frame against an immutable snapshot of the map.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -72,7 +73,8 @@ class Tracker {
   // Tracks one frame. `map` is null before the first keyframe is in the map; `labels` are of an earlier frame, the
   // newest there is, or null.
   TrackOutcome Track(FrameId frame, double timestamp_s, std::shared_ptr<const FrameData> data,
-                     std::shared_ptr<const LocalMap> map, const WorkerStatus& status, const LabelField* labels);
+                     std::shared_ptr<const LocalMap> map, const WorkerStatus& status,
+                     std::shared_ptr<const LabelField> labels);
 
   // The frame just tracked as a keyframe; to be called at most once, after Track said wants_keyframe.
   [[nodiscard]] KeyframeCandidate MakeCandidate();
@@ -96,7 +98,7 @@ class Tracker {
   void TrackInMap(const WorkerStatus& status, bool map_changed, TrackOutcome* outcome);
   [[nodiscard]] Association Select(std::span<const PointMatch> matches) const;
   // What the labels say of the current frame, where a steady motion would have brought the camera.
-  void LookUp(const LabelField& labels);
+  void LookUp(std::shared_ptr<const LabelField> labels);
   void Rebase();
   // The pose to be expected, and what is known of it before anything is matched.
   void Predict(TrackOutcome* outcome);
@@ -125,8 +127,8 @@ class Tracker {
   PoseOptimizerOptions pose_options_;
   ScalePyramid pyramid_;
   const MovingProbabilities& probabilities_;
-  std::vector<double> keypoint_probabilities_;  // of the current frame; empty without labels
-  std::vector<std::uint8_t> static_samples_;    // of its depth grid, those to be aligned; empty without labels
+  std::function<double(std::uint32_t)> keypoint_probability_;  // of the current frame; none without labels
+  std::vector<std::uint8_t> static_samples_;  // of its depth grid, those to be aligned; empty without labels
 
   std::shared_ptr<const LocalMap> map_;
   Frame last_;
