@@ -18,15 +18,6 @@ ScalePyramid::ScalePyramid(int levels_, double factor_) : levels(levels_), facto
   }
 }
 
-int ScalePyramid::PredictLevel(double max_distance_m, double distance_m) const {
-  const auto ratio = static_cast<float>(max_distance_m / distance_m);
-  int level = 0;
-  for (std::size_t i = 0; i + 1 < scale.size(); ++i) {  // without branches: the level is hard to guess
-    level += static_cast<int>(scale[i] < ratio);
-  }
-  return level;
-}
-
 FrameData::FrameData(const PinholeCamera& camera, std::vector<Keypoint> keypoints, std::vector<Descriptor> descriptors,
                      DepthGrid depth_grid)
     : camera_(camera),

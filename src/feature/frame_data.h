@@ -48,7 +48,14 @@ struct ScalePyramid {
   std::vector<double> inverse_sigma2;  // 1 / scale^2
 
   // Level at which a point whose scale-invariance range ends at max_distance_m is expected from `distance_m`; clamped.
-  [[nodiscard]] int PredictLevel(double max_distance_m, double distance_m) const;
+  [[nodiscard]] int PredictLevel(float max_distance_m, float distance_m) const {
+    const float ratio = max_distance_m / distance_m;
+    int level = 0;
+    for (int i = 0; i + 1 < levels; ++i) {  // without branches: the level is hard to guess
+      level += scale[static_cast<std::size_t>(i)] < ratio ? 1 : 0;
+    }
+    return level;
+  }
 };
 
 // Depth of every kDepthGridStep-th pixel of the recorded image, row by row: sample (i, j) lies at the middle of its

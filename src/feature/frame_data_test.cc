@@ -45,10 +45,10 @@ TEST(ScalePyramid, PredictsTheLevelFromTheDistance) {
   const ScalePyramid pyramid(8, 1.2);
   // At the largest distance the point shows at the finest level; each factor nearer is a level up.
   for (int level = 0; level < 8; ++level) {
-    EXPECT_EQ(pyramid.PredictLevel(10, 10 / std::pow(1.2, level - 0.5)), level);
+    EXPECT_EQ(pyramid.PredictLevel(10, 10 / std::pow(1.2F, static_cast<float>(level) - 0.5F)), level);
   }
   EXPECT_EQ(pyramid.PredictLevel(10, 1000), 0);
-  EXPECT_EQ(pyramid.PredictLevel(10, 0.01), 7);
+  EXPECT_EQ(pyramid.PredictLevel(10, 0.01F), 7);
 }
 
 TEST(HammingDistance, CountsBits) {

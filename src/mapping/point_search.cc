@@ -105,7 +105,7 @@ std::vector<Fusion> FindFusions(const Map& map, const Keyframe& keyframe, const 
         distance > 1.2 * static_cast<double>(point.max_distance_m) || ray.dot(point.normal) < 0.5 * distance) {
       continue;
     }
-    const int level = map.pyramid().PredictLevel(static_cast<double>(point.max_distance_m), distance);
+    const int level = map.pyramid().PredictLevel(point.max_distance_m, static_cast<float>(distance));
     const float radius = static_cast<float>(window_px) * map.pyramid().scale[static_cast<std::size_t>(level)];
     const double right_x = pixel.x() - camera.Bf() / in_camera.z();
     int best = kStrictDistance + 1;

@@ -135,8 +135,7 @@ LocalSearch SearchLocalMap(const FrameData& current, const Rigid3& camera_from_w
     if (taken[i] != 0) {
       continue;
     }
-    const int level =
-        pyramid.PredictLevel(static_cast<double>(map.max_distance_m[i]), static_cast<double>(all.distance[i]));
+    const int level = pyramid.PredictLevel(map.max_distance_m[i], all.distance[i]);
     const float radius = static_cast<float>(window_px) * pyramid.scale[static_cast<std::size_t>(level)] *
                          (all.cosine[i] > kStraightCosine ? kStraightWindow : kObliqueWindow);
     const Candidate best =
