@@ -6,13 +6,6 @@
 
 namespace rds {
 
-PointState StateOf(double probability, const MovingProbabilityOptions& options) {
-  if (probability < options.static_below) {
-    return PointState::kStatic;
-  }
-  return probability > options.dynamic_above ? PointState::kDynamic : PointState::kUnknown;
-}
-
 double UpdateProbability(double prior, bool observed_dynamic, const MovingProbabilityOptions& options) {
   const double if_dynamic = observed_dynamic ? options.alpha : 1.0 - options.alpha;
   const double if_static = observed_dynamic ? 1.0 - options.beta : options.beta;

@@ -23,7 +23,12 @@ inline constexpr double kUnknownProbability = 0.5;
 enum class PointState : std::uint8_t { kStatic, kUnknown, kDynamic };
 
 // Equation 5, with the inequality of Algorithm 2 line 10 the right way round: unknown is theta_s <= p <= theta_d.
-[[nodiscard]] PointState StateOf(double probability, const MovingProbabilityOptions& options);
+[[nodiscard]] inline PointState StateOf(double probability, const MovingProbabilityOptions& options) {
+  if (probability < options.static_below) {
+    return PointState::kStatic;
+  }
+  return probability > options.dynamic_above ? PointState::kDynamic : PointState::kUnknown;
+}
 
 // One Bayes step (equations 2 to 4) with the proper normaliser; the transition is the identity.
 [[nodiscard]] double UpdateProbability(double prior, bool observed_dynamic, const MovingProbabilityOptions& options);

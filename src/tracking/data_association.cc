@@ -32,6 +32,7 @@ Association SelectMatches(std::span<const PointMatch> matches, const LocalMap& m
     result.used.assign(matches.begin(), matches.end());
     return result;
   }
+  result.used.reserve(matches.size());
   std::vector<PointMatch> unknown;
   for (PointMatch match : matches) {
     double p = probabilities.Get(map.ids[match.point]);

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "map/keyframe_candidate.h"
@@ -15,7 +16,11 @@ class PointUses {
  public:
   // From now on points are those of this snapshot.
   void Rebase(std::shared_ptr<const LocalMap> map);
-  void CountVisible(std::uint32_t point) { ++counts_[point].visible; }
+  void CountVisible(std::span<const std::uint32_t> points) {
+    for (const std::uint32_t point : points) {
+      ++counts_[point].visible;
+    }
+  }
   void CountFound(std::uint32_t point) { ++counts_[point].found; }
   // All points that were counted. Those of one snapshot are ascending; a point of several has an entry for each.
   [[nodiscard]] std::vector<PointUse> List() const;

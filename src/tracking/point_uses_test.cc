@@ -14,9 +14,8 @@ std::shared_ptr<const LocalMap> MapOf(std::vector<PointId> ids) {
 TEST(PointUses, CountsUntilCleared) {
   PointUses uses;
   uses.Rebase(MapOf({PointId{2}, PointId{5}, PointId{7}}));
-  uses.CountVisible(2);
-  uses.CountVisible(0);
-  uses.CountVisible(2);
+  uses.CountVisible(std::vector<std::uint32_t>{0, 2});
+  uses.CountVisible(std::vector<std::uint32_t>{2});
   uses.CountFound(2);
   const std::vector<PointUse> list = uses.List();
   ASSERT_EQ(list.size(), 2U);
@@ -38,9 +37,9 @@ TEST(PointUses, KeepsTheCountsOfEarlierSnapshots) {
   PointUses uses;
   EXPECT_TRUE(uses.List().empty());
   uses.Rebase(MapOf({PointId{2}, PointId{5}}));
-  uses.CountVisible(1);
+  uses.CountVisible(std::vector<std::uint32_t>{1});
   uses.Rebase(MapOf({PointId{5}, PointId{9}}));
-  uses.CountVisible(0);
+  uses.CountVisible(std::vector<std::uint32_t>{0});
   uses.CountFound(0);
   const std::vector<PointUse> list = uses.List();
   ASSERT_EQ(list.size(), 2U);

@@ -327,9 +327,7 @@ bool Tracker::StandsFirm() const {
 bool Tracker::MostlyOutliers() const { return 2 * association_.used.size() < outliers_.size(); }
 
 void Tracker::CountUse(const LocalSearch& search) {
-  for (const std::uint32_t point : search.visible) {
-    uses_.CountVisible(point);
-  }
+  uses_.CountVisible(search.visible);
   for (const auto* matches : {&association_.used, &association_.set_aside}) {
     for (const PointMatch& match : *matches) {
       uses_.CountFound(match.point);
@@ -385,9 +383,7 @@ KeyframeCandidate Tracker::MakeCandidate() {
   candidate.reference = current_.reference;
   candidate.camera_from_reference = current_.camera_from_reference;
   candidate.points = current_.points;
-  for (const PointMatch& match : association_.dynamic) {
-    candidate.blocked.push_back(match.keypoint);
-  }
+  std::ranges::transform(association_.dynamic, std::back_inserter(candidate.blocked), &PointMatch::keypoint);
   for (std::uint32_t i = 0; keypoint_probability_ && i < current_.data->size(); ++i) {
     candidate.probabilities.push_back(keypoint_probability_(i));
   }
