@@ -42,7 +42,6 @@ class KeypointProbabilities {
   KeypointProbabilities(std::shared_ptr<const LabelField> field, std::shared_ptr<const FrameData> later,
                         const Rigid3& later_from_field, const SurfaceLabelOptions& options);
 
-  [[nodiscard]] std::size_t size() const { return later_->size(); }
   [[nodiscard]] double operator[](std::size_t keypoint) const;
 
  private:

@@ -1,5 +1,6 @@
 #include "tracking/point_uses.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 namespace rds {
@@ -11,26 +12,22 @@ std::shared_ptr<const LocalMap> MapOf(std::vector<PointId> ids) {
   return map;
 }
 
+auto IsUse(PointId point, int visible, int found) {
+  return testing::AllOf(testing::Field(&PointUse::point, point), testing::Field(&PointUse::visible, visible),
+                        testing::Field(&PointUse::found, found));
+}
+
 TEST(PointUses, CountsUntilCleared) {
   PointUses uses;
   uses.Rebase(MapOf({PointId{2}, PointId{5}, PointId{7}}));
   uses.CountVisible(std::vector<std::uint32_t>{0, 2});
   uses.CountVisible(std::vector<std::uint32_t>{2});
   uses.CountFound(2);
-  const std::vector<PointUse> list = uses.List();
-  ASSERT_EQ(list.size(), 2U);
-  EXPECT_EQ(list[0].point, PointId{2});
-  EXPECT_EQ(list[0].visible, 1);
-  EXPECT_EQ(list[0].found, 0);
-  EXPECT_EQ(list[1].point, PointId{7});
-  EXPECT_EQ(list[1].visible, 2);
-  EXPECT_EQ(list[1].found, 1);
+  EXPECT_THAT(uses.List(), testing::ElementsAre(IsUse(PointId{2}, 1, 0), IsUse(PointId{7}, 2, 1)));
   uses.Clear();
   EXPECT_TRUE(uses.List().empty());
   uses.CountFound(2);
-  ASSERT_EQ(uses.List().size(), 1U);
-  EXPECT_EQ(uses.List()[0].visible, 0);
-  EXPECT_EQ(uses.List()[0].found, 1);
+  EXPECT_THAT(uses.List(), testing::ElementsAre(IsUse(PointId{7}, 0, 1)));
 }
 
 TEST(PointUses, KeepsTheCountsOfEarlierSnapshots) {
@@ -41,14 +38,7 @@ TEST(PointUses, KeepsTheCountsOfEarlierSnapshots) {
   uses.Rebase(MapOf({PointId{5}, PointId{9}}));
   uses.CountVisible(std::vector<std::uint32_t>{0});
   uses.CountFound(0);
-  const std::vector<PointUse> list = uses.List();
-  ASSERT_EQ(list.size(), 2U);
-  EXPECT_EQ(list[0].point, PointId{5});
-  EXPECT_EQ(list[0].visible, 1);
-  EXPECT_EQ(list[0].found, 0);
-  EXPECT_EQ(list[1].point, PointId{5});
-  EXPECT_EQ(list[1].visible, 1);
-  EXPECT_EQ(list[1].found, 1);
+  EXPECT_THAT(uses.List(), testing::ElementsAre(IsUse(PointId{5}, 1, 0), IsUse(PointId{5}, 1, 1)));
   uses.Clear();
   EXPECT_TRUE(uses.List().empty());
 }
