@@ -1,6 +1,7 @@
 # Compiler flags of this project's own code; never exported to those who use the library.
 add_library(rds_flags INTERFACE)
 target_compile_options(rds_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -fno-omit-frame-pointer)
+target_compile_options(rds_flags INTERFACE -fno-math-errno)  # nobody reads errno; with it sqrt is no vector code
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   target_compile_options(rds_flags INTERFACE -fpch-preprocess)  # lets ccache see through precompiled headers
 endif()

@@ -43,22 +43,28 @@ std::vector<std::size_t> FeaturesPerLevel(const OrbOptions& options) {
 
 bool IsDepth(std::uint16_t raw) { return raw != 0 && raw != std::numeric_limits<std::uint16_t>::max(); }
 
-// Whether a surface ends next to a pixel of depth `raw`: it is much nearer or farther a few pixels away.
+// Whether a surface ends next to a pixel of depth `raw`: it is much nearer or farther a few pixels away, or there are
+// holes, as the sensor leaves them beside near surfaces. Between holes it often sees the near surface where the camera
+// looks past it.
 bool IsAtEdge(const Image16& depth, int x, int y, std::uint16_t raw) {
   constexpr int kReach_px = 6;
   constexpr int kJumpShare = 10;  // a tenth of the depth
+  constexpr int kEdgeHoles = 2;
+  int holes = 0;
   for (const int dy : {-kReach_px, 0, kReach_px}) {
     for (const int dx : {-kReach_px, 0, kReach_px}) {
       if (x + dx < 0 || y + dy < 0 || x + dx >= depth.width || y + dy >= depth.height) {
         continue;
       }
       const std::uint16_t other = depth.At(x + dx, y + dy);
-      if (IsDepth(other) && std::abs(int{other} - int{raw}) > raw / kJumpShare) {
+      if (!IsDepth(other)) {
+        ++holes;
+      } else if (std::abs(int{other} - int{raw}) > raw / kJumpShare) {
         return true;
       }
     }
   }
-  return false;
+  return holes >= kEdgeHoles;
 }
 
 void LookUpDepth(const PinholeCamera& camera, const Image16& depth, bool edges, std::vector<Keypoint>& keypoints) {
