@@ -32,7 +32,7 @@ struct Keypoint {
   float right_x = -1;       // x in the virtual right camera: x - bf / depth_m; -1 = no depth
   float angle_deg = 0;      // orientation, [0, 360)
   std::uint8_t octave = 0;  // pyramid level, 0 = finest
-  bool at_edge = false;     // the depth around it jumps or has holes
+  bool at_edge = false;     // the depth around it jumps, or is near and has holes
 
   [[nodiscard]] bool HasDepth() const { return depth_m > 0; }
 };

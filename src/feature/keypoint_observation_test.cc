@@ -27,26 +27,31 @@ Image8 Speckled(int width, int height) {
 
 TEST(OrbExtractor, FindsKeypointsWhereASurfaceEnds) {
   const Image8 image = Speckled(640, 480);
-  Image16 depth(640, 480);
-  for (int y = 0; y < 480; ++y) {
-    for (int x = 0; x < 640; ++x) {  // a slope, a jump of a fifth, and a hole
-      depth.At(x, y) = static_cast<std::uint16_t>(x < 100 ? 0 : (x < 320 ? 1000 : 1200) + y / 4);
+  const auto edges_in = [&](const OrbOptions& options, int near_mm) {
+    Image16 depth(640, 480);
+    for (int y = 0; y < 480; ++y) {
+      for (int x = 0; x < 640; ++x) {  // a hole, a slope, and a jump of a fifth
+        const int depth_mm = x < 100 ? 0 : near_mm * (x < 320 ? 10 : 12) / 10 + y / 4;
+        depth.At(x, y) = static_cast<std::uint16_t>(depth_mm * TestCamera().depth_scale / 1000);
+      }
     }
-  }
-  const auto edges_in = [&](const OrbOptions& options) {
     int edges = 0;
     const FrameData frame = OrbExtractor(options).Extract(TestCamera(), image, depth);
     for (const Keypoint& k : frame.keypoints()) {
       const auto x = static_cast<int>(std::lround(k.raw_x));
+      const bool at_hole = k.HasDepth() && x < 100 + 6 && near_mm < 1100;
+      const bool at_jump = x >= 320 - 6 && x < 320 + 6;
       edges += k.at_edge ? 1 : 0;
-      EXPECT_EQ(k.at_edge, options.depth_edges && k.HasDepth() && (x < 100 + 6 || (x >= 320 - 6 && x < 320 + 6))) << x;
+      EXPECT_EQ(k.at_edge, options.depth_edges && (at_hole || at_jump)) << x << " at " << near_mm << " mm";
     }
     return edges;
   };
   OrbOptions without;
   without.depth_edges = false;
-  EXPECT_GT(edges_in({}), 5);
-  EXPECT_EQ(edges_in(without), 0);
+  const int far = edges_in({}, 1500);
+  EXPECT_GT(far, 5);
+  EXPECT_GT(edges_in({}, 900), far);
+  EXPECT_EQ(edges_in(without, 900), 0);
 }
 
 TEST(ObservationOf, SaysLessOfWhereASurfaceEnds) {

@@ -41,12 +41,14 @@ std::vector<std::size_t> FeaturesPerLevel(const OrbOptions& options) {
   return wanted;
 }
 
+constexpr double kNearBaselines = 15;  // depth below which holes are edges
+
 bool IsDepth(std::uint16_t raw) { return raw != 0 && raw != std::numeric_limits<std::uint16_t>::max(); }
 
-// Whether a surface ends next to a pixel of depth `raw`: it is much nearer or farther a few pixels away, or there are
-// holes, as the sensor leaves them beside near surfaces. Between holes it often sees the near surface where the camera
-// looks past it.
-bool IsAtEdge(const Image16& depth, int x, int y, std::uint16_t raw) {
+// Whether a surface ends next to a pixel of depth `raw`: it is much nearer or farther a few pixels away, or, below
+// `near_raw`, there are holes. A sensor that triangulates leaves them beside near surfaces, the wider the nearer, and
+// between them often sees the near surface where the camera looks past it.
+bool IsAtEdge(const Image16& depth, int x, int y, std::uint16_t raw, double near_raw) {
   constexpr int kReach_px = 6;
   constexpr int kJumpShare = 10;  // a tenth of the depth
   constexpr int kEdgeHoles = 2;
@@ -64,12 +66,13 @@ bool IsAtEdge(const Image16& depth, int x, int y, std::uint16_t raw) {
       }
     }
   }
-  return holes >= kEdgeHoles;
+  return holes >= kEdgeHoles && raw < near_raw;
 }
 
 void LookUpDepth(const PinholeCamera& camera, const Image16& depth, bool edges, std::vector<Keypoint>& keypoints) {
   const auto bf = static_cast<float>(camera.Bf());
   const auto metres_per_unit = static_cast<float>(1 / camera.depth_scale);
+  const double near_raw = kNearBaselines * camera.baseline_m * camera.depth_scale;
   for (Keypoint& keypoint : keypoints) {
     const auto x = static_cast<int>(std::lround(keypoint.raw_x));
     const auto y = static_cast<int>(std::lround(keypoint.raw_y));
@@ -77,7 +80,7 @@ void LookUpDepth(const PinholeCamera& camera, const Image16& depth, bool edges, 
     if (IsDepth(raw)) {
       keypoint.depth_m = static_cast<float>(raw) * metres_per_unit;
       keypoint.right_x = keypoint.x - bf / keypoint.depth_m;
-      keypoint.at_edge = edges && IsAtEdge(depth, x, y, raw);
+      keypoint.at_edge = edges && IsAtEdge(depth, x, y, raw, near_raw);
     }
   }
 }

@@ -11,14 +11,14 @@
 namespace rds {
 
 struct OrbOptions {
-  int features = 1000;          // keypoints wanted
-  int levels = 8;               // pyramid levels
-  double scale_factor = 1.2;    // between levels
-  int fast_threshold = 20;      // grey values
-  int min_fast_threshold = 7;   // used in cells where the first threshold finds nothing
-  bool depth_edges = true;      // look for jumps and holes of the depth around each keypoint
-  double moving_share = 0.05;   // of each coarse level's: keypoints wanted in addition on what moves
-  double beside_share = 0.075;  // of each level's: those wanted in addition beside it
+  int features = 1000;         // keypoints wanted
+  int levels = 8;              // pyramid levels
+  double scale_factor = 1.2;   // between levels
+  int fast_threshold = 20;     // grey values
+  int min_fast_threshold = 7;  // used in cells where the first threshold finds nothing
+  bool depth_edges = true;     // look for jumps of the depth around each keypoint, and holes where it is near
+  double moving_share = 0.1;   // of each coarse level's: keypoints wanted in addition on what moves
+  double beside_share = 0.15;  // of each level's: those wanted in addition beside it
 };
 
 // Extracts ORB features (Rublee et al., "ORB: an efficient alternative to SIFT or SURF", ICCV 2011) and looks up their

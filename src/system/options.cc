@@ -19,9 +19,6 @@ void BindTracking(TrackerOptions& options, OptionTable& table) {
             "keypoints with depth that the first keyframe needs");
   table.Real("tracking.motion_window_px", options.motion_window_px, 1, 100,
              "search window of the motion model, pixels of the finest level");
-  table.Int(
-      "tracking.motion_points", options.motion_points, 50, 10000,
-      "points of the last frame that are searched for in these windows, at most; the local map's find the others");
   table.Int("tracking.min_motion_matches", options.min_motion_matches, 3, 1000,
             "matches to the last frame below which the window is doubled, then the reference keyframe tried");
   table.Int("tracking.min_motion_inliers", options.min_motion_inliers, 3, 1000, "inliers of a first pose");
@@ -192,7 +189,8 @@ void BindOrb(OrbOptions& options, OptionTable& table) {
   table.Int("orb.min_fast_threshold", options.min_fast_threshold, 1, 255,
             "contrast used where orb.fast_threshold finds nothing, in grey values");
   table.Flag("orb.depth_edges", options.depth_edges,
-             "trust keypoints less around which the depth jumps or has holes: outlines that cross are no corners");
+             "trust keypoints less around which the depth jumps, or is near and has holes: outlines that cross are no "
+             "corners");
   table.Real("orb.moving_share", options.moving_share, 0, 10,
              "keypoints wanted in addition on what moves, as a share of those of each coarse level");
   table.Real("orb.beside_share", options.beside_share, 0, 10,

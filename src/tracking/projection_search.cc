@@ -94,14 +94,12 @@ std::vector<LastSighting> FindSightings(std::span<const PointId> points, const L
 
 std::vector<PointMatch> SearchLastFrame(const FrameData& last, std::span<const LastSighting> sightings,
                                         const FrameData& current, const Rigid3& camera_from_world, const LocalMap& map,
-                                        const ScalePyramid& pyramid, double window_px, std::size_t most) {
+                                        const ScalePyramid& pyramid, double window_px) {
   const PinholeCamera& camera = current.camera();
   const Eigen::Matrix3d rotation = camera_from_world.RotationMatrix();
   MatchSet set(current.size());
   std::vector<float> angles(map.size(), 0.0F);
-  const std::size_t wanted = std::min(most, sightings.size());
-  for (std::size_t i = 0; i < wanted; ++i) {
-    const LastSighting& sighting = sightings[i * sightings.size() / wanted];
+  for (const LastSighting& sighting : sightings) {
     const Eigen::Vector3d point = rotation * map.Position(sighting.point) + camera_from_world.translation;
     if (point.z() <= 0) {
       continue;

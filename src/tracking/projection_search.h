@@ -21,12 +21,11 @@ struct LastSighting {
 [[nodiscard]] std::vector<LastSighting> FindSightings(std::span<const PointId> points, const LocalMap& map);
 
 // Searches the last frame's points around their projections at a predicted pose: octave of the last sighting and its
-// neighbours, rotation checked, each keypoint taken once. `window_px` is scaled with the octave. Of more than
-// `most` sightings, so many spread evenly over them are searched for.
+// neighbours, rotation checked, each keypoint taken once. `window_px` is scaled with the octave.
 [[nodiscard]] std::vector<PointMatch> SearchLastFrame(const FrameData& last, std::span<const LastSighting> sightings,
                                                       const FrameData& current, const Rigid3& camera_from_world,
                                                       const LocalMap& map, const ScalePyramid& pyramid,
-                                                      double window_px, std::size_t most);
+                                                      double window_px);
 
 // Outcome of SearchLocalMap.
 struct LocalSearch {

@@ -51,12 +51,12 @@ struct Scene {
   static std::uint32_t KeypointOf(std::uint32_t point) { return kPoints - 1 - point; }
   Keypoint& Shows(std::uint32_t point) { return keypoints[KeypointOf(point)]; }
   [[nodiscard]] FrameData Current() const { return {TestCamera(), keypoints, descriptors}; }
-  [[nodiscard]] std::vector<PointMatch> SearchLast(const Rigid3& guess, std::size_t most = kPoints) const {
+  [[nodiscard]] std::vector<PointMatch> SearchLast(const Rigid3& guess) const {
     std::vector<LastSighting> sightings;
     for (std::uint32_t i = 0; i < kPoints; ++i) {
       sightings.push_back({i, i});
     }
-    return SearchLastFrame(*last, sightings, Current(), guess, *map, pyramid, kWindowPx, most);
+    return SearchLastFrame(*last, sightings, Current(), guess, *map, pyramid, kWindowPx);
   }
   [[nodiscard]] LocalSearch SearchMap(const Rigid3& guess) const {
     return SearchLocalMap(Current(), guess, *map, pyramid, taken, occupied, kWindowPx, 0.8);
@@ -92,17 +92,6 @@ TEST(SearchLastFrame, FindsTheKeypointsAroundAPredictedPose) {
   EXPECT_EQ(Matched(scene.SearchLast(predicted)), AllBut({}));
   const Rigid3 wrong{ExpSo3({0.01, 0.02, 0}), scene.pose.translation};  // 25 px off
   EXPECT_TRUE(scene.SearchLast(wrong).empty());
-}
-
-TEST(SearchLastFrame, SpreadsWhatItMaySearchForOverAllSightings) {
-  const Scene scene;
-  const std::vector<std::uint32_t> found = Matched(scene.SearchLast(scene.pose, kPoints / 3));
-  ASSERT_EQ(found.size(), kPoints / 3);
-  for (std::uint32_t i = 0; i < found.size(); ++i) {
-    EXPECT_EQ(found[i], 3 * i);
-  }
-  EXPECT_EQ(Matched(scene.SearchLast(scene.pose, 10 * kPoints)), AllBut({}));
-  EXPECT_TRUE(scene.SearchLast(scene.pose, 0).empty());
 }
 
 TEST(SearchLastFrame, ChecksDepthOctaveTurnAndAppearance) {
@@ -144,7 +133,7 @@ TEST(SearchLastFrame, TheCloserOfTwoPointsTakesAKeypoint) {
   moved.z[0] = moved.z[1];
   const FrameData last(TestCamera(), same, looks);
   for (const auto& sightings : {std::vector<LastSighting>{{0, 0}, {1, 1}}, std::vector<LastSighting>{{1, 1}, {0, 0}}}) {
-    EXPECT_EQ(Matched(SearchLastFrame(last, sightings, current, scene.pose, moved, scene.pyramid, kWindowPx, 2)),
+    EXPECT_EQ(Matched(SearchLastFrame(last, sightings, current, scene.pose, moved, scene.pyramid, kWindowPx)),
               (std::vector<std::uint32_t>{1}));
   }
 }

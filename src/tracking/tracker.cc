@@ -198,7 +198,7 @@ bool Tracker::TrackLastFrame(TrackOutcome* outcome) {
   Stopwatch watch;
   const auto search = [&](double window_px) {
     return SearchLastFrame(*last_.data, last_.sightings, *current_.data, current_.camera_from_world, *map_, pyramid_,
-                           window_px, static_cast<std::size_t>(options_.motion_points));
+                           window_px);
   };
   std::vector<PointMatch> matches = search(options_.motion_window_px);
   if (std::ssize(matches) < options_.min_motion_matches) {

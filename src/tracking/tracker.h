@@ -24,7 +24,6 @@ namespace rds {
 struct TrackerOptions {
   int min_start_points = 100;    // keypoints with depth that a first keyframe needs
   double motion_window_px = 15;  // doubled if it finds too little
-  int motion_points = 300;       // at most, searched for in such windows; the local map's narrower ones find the others
   int min_motion_matches = 20;
   int min_motion_inliers = 10;
   double reference_ratio = 0.7;
