@@ -41,8 +41,6 @@ std::vector<std::size_t> FeaturesPerLevel(const OrbOptions& options) {
   return wanted;
 }
 
-constexpr double kNearBaselines = 15;  // depth below which holes are edges
-
 bool IsDepth(std::uint16_t raw) { return raw != 0 && raw != std::numeric_limits<std::uint16_t>::max(); }
 
 // Whether a surface ends next to a pixel of depth `raw`: it is much nearer or farther a few pixels away, or, below
@@ -72,6 +70,7 @@ bool IsAtEdge(const Image16& depth, int x, int y, std::uint16_t raw, double near
 void LookUpDepth(const PinholeCamera& camera, const Image16& depth, bool edges, std::vector<Keypoint>& keypoints) {
   const auto bf = static_cast<float>(camera.Bf());
   const auto metres_per_unit = static_cast<float>(1 / camera.depth_scale);
+  constexpr double kNearBaselines = 15;
   const double near_raw = kNearBaselines * camera.baseline_m * camera.depth_scale;
   for (Keypoint& keypoint : keypoints) {
     const auto x = static_cast<int>(std::lround(keypoint.raw_x));
