@@ -1,6 +1,7 @@
 #include "optim/pose_prior.h"
 
 #include <Eigen/LU>
+#include <cmath>
 
 namespace rds {
 
@@ -16,6 +17,11 @@ Eigen::Matrix<double, 6, 1> PriorResidual(const PosePrior& prior, const Rigid3& 
     jacobian->bottomRightCorner<3, 3>() = LeftJacobianSo3(residual.tail<3>()).inverse();
   }
   return residual;
+}
+
+double SearchReach(const PosePrior& prior, double focal_px) {
+  const Eigen::Matrix<double, 6, 1> variances = prior.information.inverse().diagonal();
+  return 2 * focal_px * std::sqrt(variances.head<3>().maxCoeff() + variances.tail<3>().maxCoeff());
 }
 
 }  // namespace rds

@@ -18,4 +18,8 @@ struct PosePrior {
 [[nodiscard]] Eigen::Matrix<double, 6, 1> PriorResidual(const PosePrior& prior, const Rigid3& camera_from_world,
                                                         Eigen::Matrix<double, 6, 6>* jacobian = nullptr);
 
+// How far from where the mean shows it a point 1 m away is to be searched, in pixels: two standard deviations, by the
+// most uncertain directions of turn and translation. Not finite where the information is singular.
+[[nodiscard]] double SearchReach(const PosePrior& prior, double focal_px);
+
 }  // namespace rds

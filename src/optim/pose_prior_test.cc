@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "geometry/numeric_jacobian.h"
 
 namespace rds {
@@ -30,6 +32,14 @@ TEST(PosePrior, TheJacobianMatchesDifferences) {
     const Matrix6 expected = NumericJacobian<6, 6>(residual, Vector6::Zero());
     EXPECT_LT((jacobian - expected).norm(), 1e-6) << size;
   }
+}
+
+TEST(PosePrior, TheSearchReachesAsFarAsTurnAndTranslationAreUncertain) {
+  PosePrior prior;
+  prior.information.diagonal() << 1e4, 1e6, 1e6, 1e6, 1e6, 1e4;  // 1 cm at most, .01 rad at most
+  EXPECT_NEAR(SearchReach(prior, 500), 2 * 500 * std::sqrt(2e-4), 1e-9);
+  prior.information.setZero();
+  EXPECT_FALSE(std::isfinite(SearchReach(prior, 500)));
 }
 
 }  // namespace

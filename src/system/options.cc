@@ -18,7 +18,7 @@ void BindTracking(TrackerOptions& options, OptionTable& table) {
   table.Int("tracking.min_start_points", options.min_start_points, 10, 10000,
             "keypoints with depth that the first keyframe needs");
   table.Real("tracking.motion_window_px", options.motion_window_px, 1, 100,
-             "search window of the motion model, pixels of the finest level");
+             "search window of the motion model at most, pixels of the finest level");
   table.Int("tracking.min_motion_matches", options.min_motion_matches, 3, 1000,
             "matches to the last frame below which the window is doubled, then the reference keyframe tried");
   table.Int("tracking.min_motion_inliers", options.min_motion_inliers, 3, 1000, "inliers of a first pose");

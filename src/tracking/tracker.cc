@@ -118,9 +118,7 @@ void Tracker::TrackInMap(const WorkerStatus& status, bool map_changed, TrackOutc
 TrackOutcome Tracker::Start(TrackOutcome outcome) {
   const auto with_depth = std::ranges::count_if(current_.data->keypoints(), &Keypoint::HasDepth);
   started_ = with_depth >= options_.min_start_points;
-  current_.tracked = started_;
-  outcome.tracked = started_;
-  outcome.wants_keyframe = started_;
+  current_.tracked = outcome.tracked = outcome.wants_keyframe = started_;
   return outcome;
 }
 
@@ -200,9 +198,11 @@ bool Tracker::TrackLastFrame(TrackOutcome* outcome) {
     return SearchLastFrame(*last_.data, last_.sightings, *current_.data, current_.camera_from_world, *map_, pyramid_,
                            window_px);
   };
-  std::vector<PointMatch> matches = search(options_.motion_window_px);
+  const double most_px = options_.motion_window_px;
+  std::vector<PointMatch> matches =
+      search(prior_ ? std::min(most_px, SearchReach(*prior_, current_.data->camera().fx)) : most_px);
   if (std::ssize(matches) < options_.min_motion_matches) {
-    matches = search(2 * options_.motion_window_px);
+    matches = search(2 * most_px);
   }
   outcome->matching_ms += watch.Milliseconds();
   return std::ssize(matches) >= options_.min_motion_matches &&

@@ -23,7 +23,7 @@ namespace rds {
 
 struct TrackerOptions {
   int min_start_points = 100;    // keypoints with depth that a first keyframe needs
-  double motion_window_px = 15;  // doubled if it finds too little
+  double motion_window_px = 15;  // at most, by what the prediction is worth; doubled if too little is found
   int min_motion_matches = 20;
   int min_motion_inliers = 10;
   double reference_ratio = 0.7;
