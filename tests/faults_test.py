@@ -9,6 +9,8 @@ code 77).
 import json
 import os
 import pathlib
+import resource
+import shlex
 import shutil
 import signal
 import struct
@@ -124,7 +126,16 @@ class InputTest(FaultsTest):
         lines = (sequence / "groundtruth.txt").read_text(encoding="utf-8").splitlines()
         lines[3] = " ".join([*lines[3].split()[:2], "nan", *lines[3].split()[3:]])
         (sequence / "groundtruth.txt").write_text("\n".join(lines), encoding="utf-8")
-        self.refused(self.run_words(sequence), "groundtruth.txt:4", "ty is 'nan'")
+        result = rds(*self.run_words(sequence))
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("groundtruth.txt:4", result.stderr)
+        self.assertIn("ATE", result.stdout)
+        (sequence / "groundtruth.txt").write_text("a b c\n", encoding="utf-8")
+        (sequence / "mask.txt").write_text("0 mask/none.png\n", encoding="utf-8")
+        result = rds(*self.run_words(sequence))
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertRegex(result.stderr, "groundtruth.txt:1: .*going on without ground truth")
+        self.assertRegex(result.stderr, "mask.txt:1: .*going on without masks")
 
     def test_images(self):
         for kind, change, expected in (
@@ -137,7 +148,14 @@ class InputTest(FaultsTest):
             sequence = self.copy()
             broken = self.nth(sequence, kind, 20)
             broken.write_bytes(change(broken.read_bytes()))
-            self.refused(self.run_words(sequence, "--video", self.out / "run.mp4"), f"{kind}/{broken.name}", expected)
+            self.refused(self.run_words(sequence, "--strict", "--video", self.out / "run.mp4"), f"{kind}/{broken.name}",
+                         expected)
+            result = rds(*self.run_words(sequence))
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertIn(f"frame 20 is left out: {broken.parent}/{broken.name}", result.stderr)
+            self.assertEqual(len(poses(self.out / "trajectory.txt")), FRAMES - 1)
+            self.assertEqual(json.loads((self.out / "report.json").read_text(encoding="utf-8"))["left_out"], 1)
+            shutil.rmtree(self.out)
 
     def test_cameras(self):
         camera = self.folder / "camera.yaml"
@@ -182,13 +200,13 @@ class InputTest(FaultsTest):
         (sequence / "mask.txt").unlink()
         self.refused(["run", sequence, "--out", self.out, "--segmenter", "stored"], "mask.txt")
 
-    def finishes(self, kind, frames, image, *more):
+    def finishes(self, kind, frames, image, *more, code=0):
         """Runs with some images replaced: to its end, with all results. Returns the report and what was said."""
         sequence = self.copy()
         for file in sorted((sequence / kind).iterdir())[frames]:
             file.write_bytes(image)
         result = rds(*self.run_words(sequence, *more))
-        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(result.returncode, code, result.stderr)
         poses(self.out / "trajectory.txt")
         return json.loads((self.out / "report.json").read_text(encoding="utf-8")), result.stdout
 
@@ -199,14 +217,18 @@ class InputTest(FaultsTest):
         self.assertGreaterEqual(report["tracked"], 10)
 
     def test_without_depth(self):
-        report, said = self.finishes("depth", slice(None), png(WIDTH, HEIGHT, 16, 1, 0))
+        report, said = self.finishes("depth", slice(None), png(WIDTH, HEIGHT, 16, 1, 0), code=3)
         self.assertEqual((report["frames"], report["tracked"]), (FRAMES, 0))
         self.assertIn("never started", said)
 
     def test_depth_beyond_range(self):
-        for value in (60000, 65535):  # 12 m; what some sensors give for none
-            report, _ = self.finishes("depth", slice(None), png(WIDTH, HEIGHT, 16, 1, value))
-            self.assertEqual(report["frames"], FRAMES)
+        report, _ = self.finishes("depth", slice(None), png(WIDTH, HEIGHT, 16, 1, 65535), code=3)  # none, for some
+        self.assertEqual(report["frames"], FRAMES)
+        shutil.rmtree(self.out)
+        sequence = self.copy()
+        for file in (sequence / "depth").iterdir():
+            file.write_bytes(png(WIDTH, HEIGHT, 16, 1, 60000))  # 12 m everywhere
+        self.refused(self.run_words(sequence), "beyond 12 m with depth_scale 5000", "unusual: true")
 
     def test_masks(self):
         """Masks that are of no use are no labels, and do no harm."""
@@ -224,6 +246,109 @@ class InputTest(FaultsTest):
         self.assertLess(time.monotonic() - begin, 10)
         self.assertEqual(report["tracked"], FRAMES)
         self.assertEqual(report["semantics"]["keyframes_labelled"], 0)
+
+    def test_what_has_no_end(self):
+        """Pipes and devices where files should be are refused, and not waited for."""
+        pipe = self.folder / "pipe"
+        os.mkfifo(pipe)
+        for place in (pipe, "/dev/zero"):
+            for words in (["eval", place, self.sequence], self.run_words(self.sequence, "--camera", place),
+                          self.run_words(self.sequence, "--config", place)):
+                self.refused(words, place)
+        sequence = self.copy()
+        (sequence / "groundtruth.txt").unlink()
+        os.mkfifo(sequence / "groundtruth.txt")  # not needed, and no file
+        self.assertEqual(rds(*self.run_words(sequence)).returncode, 0)
+        shutil.rmtree(self.out)
+        self.refused(["eval", self.sequence / "groundtruth.txt", self.sequence, "--plot", pipe], pipe,
+                     "cannot be written")
+
+    def test_absurd_trajectories(self):
+        estimate = self.folder / "estimate.txt"
+        rows = (self.sequence / "groundtruth.txt").read_text(encoding="utf-8").splitlines()
+        for value in ("1e160", "-1e10"):
+            words = rows[5].split()
+            words[2] = value
+            estimate.write_text("\n".join([*rows[:5], " ".join(words), *rows[6:]]), encoding="utf-8")
+            for more in ([], ["--plot", self.folder / "plot.svg"]):
+                self.refused(["eval", estimate, self.sequence, *more], "estimate.txt:6", "farther away than the moon")
+        self.assertFalse((self.folder / "plot.svg").exists())
+
+    def test_closed_streams(self):
+        """Nothing that is printed gets into a file of ours; a closed or full standard error ends no work."""
+        video = self.out / "run.mp4"
+        whole = rds(*self.run_words(self.sequence, "--video", video))
+        self.assertEqual(whole.returncode, 0, whole.stderr)
+        for redirection in ("2>&-", ">&- 2>&-", "<&- >&- 2>&-", "2>/dev/full"):
+            shutil.rmtree(self.out, ignore_errors=True)
+            line = shlex.join(command(*self.run_words(self.sequence, "--video", video))) + " " + redirection
+            self.assertEqual(subprocess.run(["bash", "-c", line], check=False, timeout=120, capture_output=True).returncode, 0)
+            self.assertNotIn(b"fps", video.read_bytes())
+            self.assertEqual(len(poses(self.out / "trajectory.txt")), FRAMES)
+            made = self.folder / "made"
+            line = shlex.join(command("synth", "--out", made, "--frames", 3, "--width", 160)) + " " + redirection
+            self.assertEqual(subprocess.run(["bash", "-c", line], check=False, timeout=120, capture_output=True).returncode, 0)
+            self.assertTrue((made / "rgb.txt").is_file())
+
+    def test_without_threads_or_memory(self):
+        """Where the system gives no more, that is an error, not a hang, a crash or a bug."""
+        def limited(resource_name, value, user):
+            def limit():
+                if user:
+                    os.setgid(user)
+                    os.setuid(user)
+                resource.setrlimit(resource_name, (value, value))
+            return limit
+        user = 54321 if os.geteuid() == 0 else 0  # nobody has its processes, so they can be counted
+        place = pathlib.Path(tempfile.mkdtemp(dir="/tmp"))
+        self.addCleanup(shutil.rmtree, place, ignore_errors=True)
+        shutil.copytree(self.sequence, place / "sequence")
+        os.chmod(place, 0o777)
+        shutil.copy2(RDS, place / "rds")
+        seen = set()
+        for threads in (range(1, 7) if user else (1,)):
+            words = [place / "rds", "run", place / "sequence", "--out", place / f"out{threads}", "--rate", "0",
+                     "--segmenter", "stored", "--set", "semantic.stored.delay_ms=0"]
+            result = subprocess.run(words, capture_output=True, text=True, timeout=60, check=False, cwd=place,
+                                    preexec_fn=limited(resource.RLIMIT_NPROC, threads, user))
+            self.assertIn(result.returncode, (0, 1), result.stderr)
+            if result.returncode == 1:
+                self.assertIn("no thread can be started", result.stderr)
+            seen.add(result.returncode)
+        self.assertIn(1, seen)
+        for megabytes in (400, 500, 600, 700, 800, 1000):
+            result = subprocess.run(command(*self.run_words(self.sequence)), capture_output=True, text=True, timeout=120,
+                                    check=False, preexec_fn=limited(resource.RLIMIT_AS, megabytes << 20, 0))
+            self.assertIn(result.returncode, (0, 1, 127), result.stderr)
+            self.assertNotIn("bug", result.stderr)
+
+    def test_links_of_others(self):
+        """Results go through no link that another user laid."""
+        if os.geteuid() != 0:
+            self.skipTest("only root can make a link of another user")
+        target = self.folder / "target"
+        target.write_text("mine", encoding="utf-8")
+        link = self.folder / "link"
+        link.symlink_to(target)
+        words = ["eval", self.sequence / "groundtruth.txt", self.sequence, "--plot", link]
+        os.lchown(link, 54321, 54321)
+        self.refused(words, "a link that another user made")
+        self.assertEqual(target.read_text(encoding="utf-8"), "mine")
+        folder = self.folder / "folder"
+        folder.symlink_to(self.folder)
+        os.lchown(folder, 54321, 54321)
+        self.refused(["run", self.sequence, "--out", folder / "out", "--segmenter", "none"], "another user made")
+        os.lchown(link, 0, 0)
+        self.assertEqual(rds(*words).returncode, 0)
+        self.assertIn("<svg", target.read_text(encoding="utf-8"))
+
+    def test_yaml_without_end(self):
+        options = self.folder / "options.yaml"
+        for text in ("orb: &a {x: *a}\n", "a: &a [1, 1]\nb: &b [*a, *a]\nc: [*b, *b]\n", "nothing: {}\n", "nothing:\n",
+                     "orb:\n  features: 900\n---\norb:\n  features: 900\n", "[" * 5000, "orb: {features: {}}\n"):
+            options.write_text(text, encoding="utf-8")
+            self.refused(self.run_words(self.sequence, "--config", options), "options.yaml")
+            self.refused(self.run_words(self.sequence, "--camera", options), "options.yaml")
 
     def test_standard_output_on_a_full_disk(self):
         with open("/dev/full", "w", encoding="utf-8") as full:
@@ -278,7 +403,7 @@ class SignalsTest(FaultsTest):
 
     def test_half_way(self):
         """Ended in the midst of the sequence: what was tracked until then is there."""
-        for number in (signal.SIGINT, signal.SIGTERM):
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT, signal.SIGXCPU, signal.SIGXFSZ):
             shutil.rmtree(self.out, ignore_errors=True)
             process = self.start("--rate", "0.1")  # 15 s, were it not ended
             self.wait_for_video(process)
@@ -287,6 +412,16 @@ class SignalsTest(FaultsTest):
             code, names = self.check_results(process, number)
             self.assertEqual(code, 128 + number)
             self.assertIn("trajectory.txt", names)
+
+    def test_a_killed_run_leaves_nothing_to_the_next(self):
+        process = self.start("--rate", "0.1")
+        self.wait_for_video(process)
+        process.kill()
+        process.communicate(timeout=60)
+        self.assertEqual(len(self.results()), 1)  # the hidden video under way
+        result = rds(*self.run_words(self.sequence))
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual([name for name in self.results() if name.startswith(".")], [])
 
     def test_the_second_one_ends_at_once(self):
         process = self.start("--rate", "0.1")

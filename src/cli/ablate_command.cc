@@ -13,6 +13,7 @@
 #include "cli/interrupt.h"
 #include "cli/play_arguments.h"
 #include "cli/playback.h"
+#include "cli/series_json.h"
 #include "eval/statistics.h"
 
 namespace rds {
@@ -79,7 +80,11 @@ PlaybackResult PlayVariant(const AblationVariant& variant, const PlayArguments& 
   }
   ValidateOptions(changed.options);
   std::unique_ptr<Segmenter> segmenter = variant.segmenter ? OpenSegmenter(arguments, changed) : nullptr;
-  return Play(changed.dataset, changed.camera, changed.options, std::move(segmenter), changed.rate, {});
+  changed.play.strict = true;
+  PlaybackResult playback =
+      Play(changed.dataset, changed.camera, changed.options, std::move(segmenter), changed.play, {});
+  RethrowError(playback);
+  return playback;
 }
 
 // Plays the sequence in lockstep once for each variant and prints the table. Returns the exit code, as rds run does.
@@ -97,7 +102,7 @@ int Ablate(const AblateArguments& arguments) {
     rows.push_back(RowOf(variant, playback, setup.dataset.ground_truth()));
   }
   if (arguments.json) {
-    std::cout << AblationJson(rows).dump(2) << std::endl;
+    std::cout << AblationJson(rows).dump(2, ' ', false, kReplaceBadUtf8) << std::endl;
   } else {
     std::cout << (arguments.markdown ? AblationMarkdown(rows) : AblationText(rows)) << std::flush;
   }

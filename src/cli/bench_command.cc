@@ -12,6 +12,7 @@
 #include "cli/observers.h"
 #include "cli/play_arguments.h"
 #include "cli/playback.h"
+#include "cli/series_json.h"
 #include "cli/yardstick.h"
 
 namespace rds {
@@ -20,7 +21,8 @@ namespace {
 // Plays the sequence and prints the figures. Returns the exit code, as rds run does.
 int Bench(const PlayArguments& arguments) {
   const InterruptGuard interrupt_guard;
-  const PlaySetup setup = PreparePlay(arguments, false);
+  PlaySetup setup = PreparePlay(arguments, false);
+  setup.play.strict = true;  // figures are those of all frames
   std::unique_ptr<Segmenter> segmenter = OpenSegmenter(arguments, setup);
   Progress progress(std::cerr, isatty(STDERR_FILENO) == 1, setup.dataset.size());
   ProgressObserver progress_observer(progress);
@@ -28,9 +30,12 @@ int Bench(const PlayArguments& arguments) {
   const std::array<PlaybackObserver*, 2> observers = {&yardstick, &progress_observer};
   const RunDescription description = Describe(setup, segmenter.get());
   const PlaybackResult playback =
-      Play(setup.dataset, setup.camera, setup.options, std::move(segmenter), setup.rate, observers);
+      Play(setup.dataset, setup.camera, setup.options, std::move(segmenter), setup.play, observers);
   progress.Finish();
-  std::cout << BenchReport(description, playback, yardstick.times_ms(), yardstick.cpu_s()).dump(2) << std::endl;
+  RethrowError(playback);
+  std::cout << BenchReport(description, playback, yardstick.times_ms(), yardstick.cpu_s())
+                   .dump(2, ' ', false, kReplaceBadUtf8)
+            << std::endl;
   return playback.interrupted ? 128 + InterruptSignal() : 0;
 }
 

@@ -8,7 +8,11 @@
 #include <string>
 
 #include "base/error.h"
+#include "base/file.h"
+#include "base/log.h"
+#include "base/sha256.h"
 #include "cli/command.h"
+#include "cli/series_json.h"
 #include "eval/evaluation.h"
 #include "eval/plot.h"
 #include "eval/report.h"
@@ -54,10 +58,26 @@ std::string TitleOf(const fs::path& ground_truth) {
   return fs::weakly_canonical(ground_truth, ignored).parent_path().filename().string();
 }
 
+// In a folder of results: whether the trajectory is that of the run that report.json tells of.
+void CheckSet(const fs::path& folder) {
+  std::error_code ignored;
+  if (!fs::is_regular_file(folder / "report.json", ignored)) {
+    return;
+  }
+  const nlohmann::json report = nlohmann::json::parse(ReadFile(folder / "report.json"), nullptr, false);
+  const nlohmann::json::json_pointer digest("/files/trajectory.txt");
+  if (report.is_object() && report.contains(digest) && report[digest] != Sha256(folder / "trajectory.txt")) {
+    log::warn("{}: trajectory.txt is not of the run that report.json tells of", folder.string());
+  }
+}
+
 void Eval(EvalArguments arguments) {
   if (arguments.delta_frames) {
     arguments.options.delta = *arguments.delta_frames;
     arguments.options.delta_unit = DeltaUnit::kFrames;
+  }
+  if (std::error_code ignored; fs::is_directory(arguments.estimate, ignored)) {
+    CheckSet(arguments.estimate);
   }
   const fs::path ground_truth = FileIn(arguments.ground_truth, "groundtruth.txt");
   const Evaluation evaluation = Evaluate(ReadTrajectory(FileIn(arguments.estimate, "trajectory.txt")),
@@ -65,7 +85,8 @@ void Eval(EvalArguments arguments) {
   if (!arguments.plot.empty()) {
     WriteFileAtomically(arguments.plot, PlotTrajectories(evaluation, TitleOf(ground_truth)));
   }
-  std::cout << (arguments.json ? ToJson(evaluation).dump(2) + "\n" : FormatTable(evaluation));
+  std::cout << (arguments.json ? ToJson(evaluation).dump(2, ' ', false, kReplaceBadUtf8) + "\n"
+                               : FormatTable(evaluation));
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 #include <spdlog/fmt/fmt.h>
 #include <unistd.h>
 
-#include <cstdio>
+#include <iostream>
 #include <memory>
 #include <string>
 #include <vector>
@@ -39,14 +39,13 @@ class FetchProgress {
     const auto percent = static_cast<int>(100 * done / total);
     if (terminal_ && percent != shown_) {
       shown_ = percent;
-      fmt::print(stderr, "\r{:3} % of {:.1f} MB", percent, 1e-6 * static_cast<double>(total));
-      std::fflush(stderr);
+      std::cerr << fmt::format("\r{:3} % of {:.1f} MB", percent, 1e-6 * static_cast<double>(total)) << std::flush;
     }
   }
   // Ends the line; also when the download is given up.
   ~FetchProgress() {
     if (shown_ >= 0) {
-      std::fputs("\n", stderr);
+      std::cerr << "\n";
     }
   }
 
@@ -66,14 +65,14 @@ void Fetch(const FetchArguments& arguments) {
   const std::string url = arguments.url_base.empty() ? WeightsUrl() : arguments.url_base;
   std::string file;
   {
-    fmt::print(stderr, "{} ({}) from {}\n", weights.file, weights.name, url);
+    std::cerr << fmt::format("{} ({}) from {}\n", weights.file, weights.name, url);
     FetchProgress progress;
     file = FetchWeights(weights, CacheFolder(), url, [&](std::int64_t done, std::int64_t total) {
              progress.Update(done, total);
            }).string();
   }
-  fmt::print(stderr, "verified (SHA-256); `rds run` finds it there, --model {} names it\n", weights.name);
-  fmt::print("{}\n", file);
+  std::cerr << fmt::format("verified (SHA-256); `rds run` finds it there, --model {} names it\n", weights.name);
+  std::cout << file << "\n" << std::flush;
 }
 
 void AddFetchCommand(CLI::App& program) {

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <utility>
 
+#include "base/error.h"
 #include "base/time.h"
 #include "runtime/bounded_queue.h"
 #include "runtime/worker.h"
@@ -20,8 +21,8 @@ class FrameSource::Impl {
       : dataset_(dataset), camera_(camera), worker_([this] { ReadAll(); }) {}
   ~Impl() { queue_.Close(); }
 
-  std::optional<RgbdFrame> Next() {
-    std::optional<RgbdFrame> frame = queue_.Pop();
+  std::optional<SourceFrame> Next() {
+    std::optional<SourceFrame> frame = queue_.Pop();
     if (!frame) {
       worker_.Join();  // throws if the end is an error
     }
@@ -34,11 +35,16 @@ class FrameSource::Impl {
   void ReadAll() {
     // Closes the queue on an error as well, after the frames before it.
     struct Closer {
-      BoundedQueue<RgbdFrame>& queue;
+      BoundedQueue<SourceFrame>& queue;
       ~Closer() { queue.Close(); }
     } const closer{queue_};
     for (std::size_t i = 0; i < dataset_.size(); ++i) {
-      RgbdFrame frame = dataset_.Load(i, camera_);
+      SourceFrame frame{.index = i, .frame = std::nullopt};
+      try {
+        frame.frame = dataset_.Load(i, camera_);
+      } catch (const InputError& error) {
+        frame.problem = error.what();
+      }
       cpu_s_ = ThreadCpuSeconds();
       if (!queue_.Push(std::move(frame))) {
         return;
@@ -48,7 +54,7 @@ class FrameSource::Impl {
 
   const Dataset& dataset_;
   const PinholeCamera camera_;
-  BoundedQueue<RgbdFrame> queue_{kFramesAhead};
+  BoundedQueue<SourceFrame> queue_{kFramesAhead};
   std::atomic<double> cpu_s_ = 0;
   Worker worker_;  // last: joined before the rest is destroyed
 };
@@ -56,7 +62,7 @@ class FrameSource::Impl {
 FrameSource::FrameSource(const Dataset& dataset, const PinholeCamera& camera)
     : impl_(std::make_unique<Impl>(dataset, camera)) {}
 FrameSource::~FrameSource() = default;
-std::optional<RgbdFrame> FrameSource::Next() { return impl_->Next(); }
+std::optional<SourceFrame> FrameSource::Next() { return impl_->Next(); }
 double FrameSource::CpuSeconds() const { return impl_->CpuSeconds(); }
 
 }  // namespace rds

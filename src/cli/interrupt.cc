@@ -14,7 +14,9 @@ std::atomic<int> noted_signal = 0;
 static_assert(std::atomic<int>::is_always_lock_free);
 
 extern "C" void NoteSignal(int signal) {
-  if (noted_signal.exchange(signal) != 0) {
+  const bool limit = signal == SIGXCPU || signal == SIGXFSZ;  // these come again and again
+  int none = 0;
+  if (!noted_signal.compare_exchange_strong(none, signal) && !limit) {
     RemoveTemporaryFiles();
     _exit(128 + signal);
   }
@@ -28,15 +30,20 @@ InterruptGuard::InterruptGuard() {
   action.sa_handler = NoteSignal;
   sigemptyset(&action.sa_mask);
   action.sa_flags = SA_RESTART;
-  sigaction(SIGINT, &action, &before_interrupt_);
-  sigaction(SIGTERM, &action, &before_terminate_);
+  for (std::size_t i = 0; i < kNoted.size(); ++i) {
+    sigaction(kNoted[i], nullptr, &before_[i]);
+    if (before_[i].sa_handler != SIG_IGN) {
+      sigaction(kNoted[i], &action, nullptr);
+    }
+  }
   action.sa_handler = SIG_IGN;
   sigaction(SIGPIPE, &action, &before_pipe_);
 }
 
 InterruptGuard::~InterruptGuard() {
-  sigaction(SIGINT, &before_interrupt_, nullptr);
-  sigaction(SIGTERM, &before_terminate_, nullptr);
+  for (std::size_t i = 0; i < kNoted.size(); ++i) {
+    sigaction(kNoted[i], &before_[i], nullptr);
+  }
   sigaction(SIGPIPE, &before_pipe_, nullptr);
   noted_signal = 0;
 }

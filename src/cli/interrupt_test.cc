@@ -33,15 +33,34 @@ TEST(InterruptDeathTest, SecondSignalEndsTheProgram) {
 
 TEST(InterruptDeathTest, SecondSignalLeavesNoFileUnderWay) {
   const TemporaryFolder folder;
-  const auto file = folder.Write(".video.mp4", "half");
-  const auto interrupt_twice = [&file] {
+  const auto interrupt_twice = [&folder] {
     const InterruptGuard guard;
-    const TemporaryPath temporary(file);
+    const TemporaryPath temporary(folder.path() / "video.mp4");
     raise(SIGTERM);
     raise(SIGINT);
   };
   EXPECT_EXIT(interrupt_twice(), ::testing::ExitedWithCode(128 + SIGINT), "");
   EXPECT_EQ(folder.Count(), 0);
+}
+
+TEST(Interrupt, NotesEverySignalThatAsksForTheEnd) {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGXCPU, SIGXFSZ}) {
+    const InterruptGuard guard;
+    raise(signal);
+    EXPECT_EQ(InterruptSignal(), signal);
+    raise(SIGXFSZ);  // a limit tells again and again, and ends nothing
+    EXPECT_EQ(InterruptSignal(), signal);
+  }
+}
+
+TEST(Interrupt, WhatIsIgnoredStaysSo) {
+  const auto before = std::signal(SIGHUP, SIG_IGN);  // as nohup does
+  {
+    const InterruptGuard guard;
+    raise(SIGHUP);
+    EXPECT_FALSE(Interrupted());
+  }
+  EXPECT_EQ(std::signal(SIGHUP, before), SIG_IGN);
 }
 
 TEST(Interrupt, AReaderThatLeavesDoesNotEndTheProgram) {

@@ -22,6 +22,7 @@ constexpr const char* kExamples =
 }  // namespace
 
 int main(int argc, char** argv) {
+  rds::OpenStandardStreams();
   CLI::App app("Real-time RGB-D SLAM for scenes in which people move.", "rds");
   app.set_version_flag("--version", std::string("rds ") + rds::kVersion, "Print the version and leave");
   bool verbose = false;

@@ -23,7 +23,7 @@ class ProgressObserver final : public PlaybackObserver {
   Stopwatch watch_;
 };
 
-// Feeds a VideoRecorder: hands the image over and, now and then, a copy of the map; draws nothing itself.
+// Feeds a VideoRecorder: hands the image and the view of the map over; draws nothing itself.
 class VideoObserver final : public PlaybackObserver {
  public:
   explicit VideoObserver(VideoRecorder& recorder) : recorder_(recorder) {}
@@ -33,8 +33,6 @@ class VideoObserver final : public PlaybackObserver {
   VideoRecorder& recorder_;
   FrameRateMeter rate_;
   Stopwatch watch_;
-  std::shared_ptr<const MapView> map_;
-  int frames_since_map_ = 0;
 };
 
 }  // namespace rds

@@ -5,6 +5,7 @@
 #include "base/error.h"
 #include "cli/process_info.h"
 #include "io/camera_config.h"
+#include "io/depth_check.h"
 #include "io/options_yaml.h"
 #include "semantic/segmenter_factory.h"
 
@@ -72,9 +73,12 @@ PlaySetup PreparePlay(const PlayArguments& arguments, bool lockstep) {
   }
   DatasetOptions dataset_options;
   dataset_options.frames = ParseFrameRange(arguments.frames);
+  dataset_options.needs_masks = arguments.segmenter == "stored";
   Dataset dataset = Dataset::Open(arguments.sequence, dataset_options);
-  const PinholeCamera camera = CameraOfSequence(dataset.folder(), arguments.camera);
-  return {std::move(dataset), camera, options, rate};
+  FoundCamera found = CameraOfSequence(dataset.folder(), arguments.camera);
+  CheckDepthScale(dataset, found.camera);
+  return {std::move(dataset),      found.camera, std::move(found.name),
+          std::move(found.reason), options,      {.rate = rate, .strict = arguments.strict}};
 }
 
 std::unique_ptr<Segmenter> OpenSegmenter(const PlayArguments& arguments, const PlaySetup& setup) {
@@ -88,14 +92,33 @@ std::unique_ptr<Segmenter> OpenSegmenter(const PlayArguments& arguments, const P
   if (setup.options.system.lockstep) {
     options.stored_delay_ms = 0;  // delays are counted in frames there
   }
-  return MakeSegmenter(arguments.segmenter, options, std::move(masks));
+  return MakeSegmenter(arguments.segmenter, options, std::move(masks),
+                       [camera = setup.camera](const std::string& path) { return LoadMask(path, camera); });
 }
 
 RunDescription Describe(const PlaySetup& setup, const Segmenter* segmenter) {
   RunDescription description;
   description.sequence = setup.dataset.Name();
   description.segmenter = segmenter == nullptr ? "none" : segmenter->Name();
-  description.rate = setup.rate;
+  description.rate = setup.play.rate;
+  description.camera = {{"name", setup.camera_name},
+                        {"reason", setup.camera_reason},
+                        {"width", setup.camera.width},
+                        {"height", setup.camera.height},
+                        {"fx", setup.camera.fx},
+                        {"fy", setup.camera.fy},
+                        {"cx", setup.camera.cx},
+                        {"cy", setup.camera.cy},
+                        {"distortion", setup.camera.distortion},
+                        {"depth_scale", setup.camera.depth_scale},
+                        {"baseline_m", setup.camera.baseline_m}};
+  description.input = {{"folder", setup.dataset.folder().string()},
+                       {"frames", setup.dataset.size()},
+                       {"first_timestamp_s", setup.dataset.frames().front().timestamp_s},
+                       {"last_timestamp_s", setup.dataset.frames().back().timestamp_s},
+                       {"color_images_without_depth", setup.dataset.color_images_without_depth()},
+                       {"ground_truth", setup.dataset.ground_truth().has_value()},
+                       {"masks", setup.dataset.HasMasks()}};
   description.lockstep = setup.options.system.lockstep;
   description.started_after_s = SecondsSinceProcessStart();
   return description;

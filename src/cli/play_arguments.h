@@ -35,6 +35,7 @@ struct PlayArguments {
   std::string frames = ":";
   std::string segmenter = "openvino";
   std::string model;
+  bool strict = false;
 };
 
 // SEQUENCE, --camera, --config, --set, --frames, --segmenter and --model. `default_segmenter` for the help and where
@@ -45,8 +46,10 @@ void AddPlayArguments(CLI::App& command, PlayArguments& arguments, const std::st
 struct PlaySetup {
   Dataset dataset;
   PinholeCamera camera;
+  std::string camera_name;    // "tum_fr3", "file path/camera.yaml"
+  std::string camera_reason;  // why it was taken
   Options options;
-  double rate = 1;
+  PlayOptions play;
 };
 
 // Throws InputError for whatever is wrong with the arguments. Without --rate: 1, or 0 (as fast as it goes) in lockstep.

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <fstream>
 #include <memory>
 
 #include "base/error.h"
@@ -43,10 +44,15 @@ class PlaybackTest : public ::testing::Test {
   }
 
   static PlaybackResult PlayAll(double rate, std::span<PlaybackObserver* const> observers = {}) {
+    return Play(Dataset::Open(sequence_), camera_, Lockstep(), nullptr, {.rate = rate}, observers);
+  }
+
+  static Options Lockstep() {
     Options options;
     options.system.lockstep = true;
-    return Play(Dataset::Open(sequence_), camera_, options, nullptr, rate, observers);
+    return options;
   }
+  void TearDown() override { fs::remove_all(folder_->path() / "copy"); }
 
   inline static std::unique_ptr<TemporaryFolder> folder_;
   inline static fs::path sequence_;
@@ -71,9 +77,9 @@ TEST_F(PlaybackTest, SourceGivesAllFramesInOrder) {
   const Dataset dataset = Dataset::Open(sequence_);
   FrameSource source(dataset, camera_);
   for (const DatasetFrame& expected : dataset.frames()) {
-    const std::optional<RgbdFrame> frame = source.Next();
-    ASSERT_TRUE(frame.has_value());
-    EXPECT_EQ(frame->timestamp_s, expected.timestamp_s);
+    const std::optional<SourceFrame> frame = source.Next();
+    ASSERT_TRUE(frame && frame->frame);
+    EXPECT_EQ(frame->frame->timestamp_s, expected.timestamp_s);
   }
   EXPECT_FALSE(source.Next().has_value());
   EXPECT_FALSE(source.Next().has_value());
@@ -86,22 +92,56 @@ TEST_F(PlaybackTest, SourceCanBeLeftEarly) {
   EXPECT_TRUE(source.Next().has_value());
 }
 
-TEST_F(PlaybackTest, BrokenImageIsAnErrorAfterTheFramesBeforeIt) {
+TEST_F(PlaybackTest, AFrameThatCannotBeReadIsLeftOutOrStrictlyAnError) {
   const fs::path copy = CopyOfSequence();
   const Dataset dataset = Dataset::Open(copy);
   fs::resize_file(dataset.frames()[7].depth_path, 100);
   FrameSource source(dataset, camera_);
-  int read = 0;
-  try {
-    while (source.Next()) {
-      ++read;
-    }
-    ADD_FAILURE() << "the end came without an error";
-  } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), HasSubstr(dataset.frames()[7].depth_path.filename().string()));
+  for (std::size_t i = 0; i < dataset.size(); ++i) {
+    const std::optional<SourceFrame> frame = source.Next();
+    ASSERT_TRUE(frame);
+    EXPECT_EQ(frame->index, i);
+    EXPECT_EQ(frame->frame.has_value(), i != 7);
   }
-  EXPECT_EQ(read, 7);
-  EXPECT_THROW((void)Play(dataset, camera_, {}, nullptr, 0, {}), InputError);
+  EXPECT_FALSE(source.Next());
+  const PlaybackResult result = Play(dataset, camera_, Lockstep(), nullptr, {.rate = 0}, {});
+  EXPECT_EQ(result.left_out, 1U);
+  EXPECT_THAT(result.first_problem, HasSubstr(dataset.frames()[7].depth_path.filename().string()));
+  EXPECT_EQ(result.frames.size(), static_cast<std::size_t>(kFrames - 1));
+  EXPECT_EQ(result.slam.tracked_frames, kFrames - 1);
+  EXPECT_EQ(result.error, nullptr);
+  EXPECT_THROW((void)Play(dataset, camera_, Lockstep(), nullptr, {.rate = 0, .strict = true}, {}), InputError);
+}
+
+TEST_F(PlaybackTest, ReadingThatEndsForGoodKeepsWhatWasTracked) {
+  const fs::path copy = CopyOfSequence();
+  const Dataset dataset = Dataset::Open(copy);
+  for (std::size_t i = 9; i < dataset.size(); ++i) {  // as if the drive had been pulled out
+    fs::remove(dataset.frames()[i].color_path);
+  }
+  const PlaybackResult result = Play(dataset, camera_, Lockstep(), nullptr, {.rate = 0}, {});
+  EXPECT_EQ(result.slam.tracked_frames, 9);
+  EXPECT_THAT(InputErrorOf([&] { RethrowError(result); }), HasSubstr("reading ended for good at frame 9: 11 frames"));
+  for (std::size_t i = 0; i < 9; ++i) {
+    fs::remove(dataset.frames()[i].depth_path);
+  }
+  EXPECT_THROW((void)Play(dataset, camera_, Lockstep(), nullptr, {.rate = 0}, {}), InputError) << "nothing was read";
+}
+
+TEST_F(PlaybackTest, PausesOfTheRecordingAreCutToASecond) {
+  const fs::path copy = CopyOfSequence();
+  std::ofstream list(copy / "associations.txt");
+  const Dataset whole = Dataset::Open(sequence_);
+  for (std::size_t i = 0; i < whole.size(); ++i) {
+    const DatasetFrame& frame = whole.frames()[i];
+    const double time_s = frame.timestamp_s + (i >= 10 ? 3600 : 0);
+    list << std::fixed << time_s << " " << frame.color_path << " " << time_s << " " << frame.depth_path << "\n";
+  }
+  list.close();
+  const PlaybackResult result = Play(Dataset::Open(copy), camera_, Lockstep(), nullptr, {.rate = 2}, {});
+  EXPECT_EQ(result.frames.size(), static_cast<std::size_t>(kFrames));
+  EXPECT_GE(result.wall_s, 1);
+  EXPECT_LT(result.wall_s, 30);
 }
 
 TEST_F(PlaybackTest, PlaysEveryFrame) {

@@ -1,8 +1,13 @@
 #include "cli/program.h"
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cerrno>
 #include <exception>
+#include <new>
 #include <ostream>
 #include <string>
 #include <vector>
@@ -98,6 +103,15 @@ int ParseAndRun(CLI::App& app, int argc, const char* const* argv, std::ostream& 
 
 }  // namespace
 
+void OpenStandardStreams() {
+  for (const int number : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (fcntl(number, F_GETFD) == -1 && errno == EBADF) {
+      open("/dev/null",
+           number == STDIN_FILENO ? O_RDONLY : O_WRONLY);  // takes the lowest number that is free: this one
+    }
+  }
+}
+
 int RunProgram(CLI::App& app, int argc, const char* const* argv, std::ostream& out, std::ostream& error) {
   try {
     const int code = ParseAndRun(app, argc, argv, out, error);
@@ -109,6 +123,10 @@ int RunProgram(CLI::App& app, int argc, const char* const* argv, std::ostream& o
     return code;
   } catch (const InputError& input_error) {
     error << "rds: error: " << input_error.what() << "\n";
+    return 1;
+  } catch (const std::bad_alloc&) {
+    error << "rds: error: out of memory; use smaller images, fewer features (orb.features) or a shorter part of the "
+             "sequence (--frames)\n";
     return 1;
   } catch (const std::exception& bug) {
     error << "rds: bug: " << bug.what() << "\nThis should not happen, whatever the input; please report it.\n";

@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <exception>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -14,6 +15,7 @@
 
 #include "base/error.h"
 #include "base/log.h"
+#include "base/sha256.h"
 #include "cli/accuracy.h"
 #include "cli/command.h"
 #include "cli/interrupt.h"
@@ -21,7 +23,9 @@
 #include "cli/play_arguments.h"
 #include "cli/playback.h"
 #include "cli/progress.h"
+#include "cli/run_identity.h"
 #include "cli/run_report.h"
+#include "cli/series_json.h"
 #include "eval/plot.h"
 #include "eval/statistics.h"
 #include "io/atomic_file.h"
@@ -63,7 +67,7 @@ VideoOptions VideoOf(const RunArguments& arguments, const PlaySetup& setup) {
     const double duration_s = frames.back().timestamp_s - frames.front().timestamp_s;
     options.frames_per_s = std::clamp(static_cast<double>(frames.size() - 1) / duration_s, 1.0, 120.0);
   }
-  options.wait = setup.rate == 0 || setup.options.system.lockstep;
+  options.wait = setup.play.rate == 0 || setup.options.system.lockstep;
   return options;
 }
 
@@ -74,24 +78,44 @@ struct Outcome {
   std::optional<Evaluation> accuracy;
 };
 
-void WriteOutputs(const std::filesystem::path& folder, const PlaySetup& setup, const Outcome& outcome) {
+// All that is text but the poses; adds to `files`, whose digests the report has.
+void AddReports(const std::filesystem::path& folder, const PlaySetup& setup, const Outcome& outcome,
+                std::vector<OutputFile>& files) {
+  const std::string& run_id = outcome.description.run_id;
+  files.push_back({folder / "options.yaml", OptionsYaml(setup.options) + "# run " + run_id + "\n"});
+  files.push_back({folder / "frames.csv", FramesCsv(outcome.playback, run_id)});
+  files.push_back({folder / "semantics.csv", SemanticsCsv(outcome.playback.slam.labels, run_id)});
+  if (outcome.accuracy) {
+    files.push_back({folder / "trajectory.svg", PlotTrajectories(*outcome.accuracy, outcome.description.sequence) +
+                                                    "<!-- run " + run_id + " -->\n"});
+  }
   nlohmann::ordered_json report = RunReport(outcome.description, outcome.playback);
   report.update(AccuracyJson(outcome.accuracy));
+  for (const OutputFile& file : files) {
+    report["files"][file.path.filename().string()] = Sha256OfText(file.text);
+  }
+  files.push_back({folder / "report.json", report.dump(2, ' ', false, kReplaceBadUtf8) + "\n"});
+}
+
+// The poses first: whatever goes wrong with a report, they are written.
+void WriteOutputs(const std::filesystem::path& folder, const PlaySetup& setup, const Outcome& outcome) {
   std::vector<OutputFile> files = {
       {folder / "trajectory.txt", FormatTrajectory(outcome.playback.slam.frames)},
       {folder / "keyframes.txt", FormatTrajectory(outcome.playback.slam.keyframes)},
-      {folder / "options.yaml", OptionsYaml(setup.options)},
-      {folder / "report.json", report.dump(2) + "\n"},
-      {folder / "frames.csv", FramesCsv(outcome.playback)},
-      {folder / "semantics.csv", SemanticsCsv(outcome.playback.slam.labels)},
   };
-  if (outcome.accuracy) {
-    files.push_back({folder / "trajectory.svg", PlotTrajectories(*outcome.accuracy, outcome.description.sequence)});
+  std::exception_ptr problem;
+  try {
+    AddReports(folder, setup, outcome, files);
+  } catch (...) {
+    problem = std::current_exception();
   }
   WriteFilesAtomically(files);
   std::error_code error;
   if (!outcome.accuracy && !std::filesystem::remove(folder / "trajectory.svg", error) && error) {  // of a run before
     throw InputError(fmt::format("{}: cannot be removed: {}", (folder / "trajectory.svg").string(), error.message()));
+  }
+  if (problem != nullptr) {
+    std::rethrow_exception(problem);
   }
 }
 
@@ -114,10 +138,30 @@ std::string TrackingText(const PlaySetup& setup, const Outcome& outcome) {
   return text + AccuracyText(outcome.accuracy, setup.dataset.ground_truth().has_value());
 }
 
+// What went less well than the counts of TrackingText show; "" if nothing did.
+std::string ConcernsText(const PlaybackResult& playback, double rate) {
+  std::string text;
+  if (const auto since = LostForGoodSince(playback.frames)) {
+    text += fmt::format("lost since frame {} ({:.3f} s), {} frames to the end\n", playback.frames[*since].frame.value,
+                        playback.frames[*since].timestamp_s, playback.frames.size() - *since);
+  }
+  if (playback.left_out > 0) {
+    text += fmt::format("left out: {} frames that cannot be read; the first: {}\n", playback.left_out,
+                        playback.first_problem);
+  }
+  if (const std::ptrdiff_t late = LateFrames(playback); late > 0) {
+    text += fmt::format(
+        "late: {} of {} frames began more than {:g} ms after they were due, by {:.2f} s at most: this "
+        "machine is too slow for --rate {:g}\n",
+        late, playback.frames.size(), kLate_ms, 1e-3 * std::ranges::max(playback.lateness_ms), rate);
+  }
+  return text;
+}
+
 void PrintSummary(const RunArguments& arguments, const PlaySetup& setup, const Outcome& outcome) {
   const PlaybackResult& playback = outcome.playback;
   const SlamResult& slam = playback.slam;
-  std::string text = TrackingText(setup, outcome);
+  std::string text = TrackingText(setup, outcome) + ConcernsText(playback, setup.play.rate);
   const std::vector<double> tracking_ms = TimingSeries(playback.frames, &FrameTiming::total_ms);
   if (!tracking_ms.empty()) {
     text += fmt::format("tracking: {:.1f} ms a frame (median; 95 % below {:.1f} ms)\n", Summarise(tracking_ms).median,
@@ -169,8 +213,11 @@ void FinishRecording(VideoRecorder& recorder, std::string problems, bool interru
   }
 }
 
-// Plays the sequence and writes the output folder. Returns the program's exit code: 0, or 128 + signal if interrupted
-// (what was tracked until then is written, without any frame nothing). After an InputError nothing is written.
+constexpr int kNothingTracked = 3;  // exit code
+
+// Plays the sequence and writes the output folder. Returns the program's exit code: 0, kNothingTracked, or 128 + signal
+// if interrupted. What was tracked is written in any case, also if an error ends the run, which is thrown afterwards;
+// without any frame nothing is.
 int Run(const RunArguments& arguments) {
   const InterruptGuard interrupt_guard;
   PlaySetup setup = PreparePlay(arguments.play, arguments.lockstep);
@@ -183,6 +230,8 @@ int Run(const RunArguments& arguments) {
   }
   std::unique_ptr<Segmenter> segmenter = OpenSegmenter(arguments.play, setup);
   log::info("{}", setup.dataset.Summary());
+  log::info("camera: {} ({}), {} x {} pixels", setup.camera_name, setup.camera_reason, setup.camera.width,
+            setup.camera.height);
 
   Progress progress(std::cerr, isatty(STDERR_FILENO) == 1, setup.dataset.size());
   ProgressObserver progress_observer(progress);
@@ -194,7 +243,8 @@ int Run(const RunArguments& arguments) {
   }
   Outcome outcome;
   outcome.description = Describe(setup, segmenter.get());
-  outcome.playback = Play(setup.dataset, setup.camera, setup.options, std::move(segmenter), setup.rate, observers);
+  outcome.description.run_id = NewRunId();
+  outcome.playback = Play(setup.dataset, setup.camera, setup.options, std::move(segmenter), setup.play, observers);
   progress.Finish();
   outcome.accuracy = Accuracy(outcome.playback.slam.frames, setup.dataset.ground_truth());
   std::string video_problem;
@@ -205,13 +255,15 @@ int Run(const RunArguments& arguments) {
     PrintSummary(arguments, setup, outcome);
   }
   if (recorder != nullptr) {
-    FinishRecording(*recorder, std::move(video_problem), outcome.playback.interrupted);
+    FinishRecording(*recorder, std::move(video_problem),
+                    outcome.playback.interrupted || outcome.playback.error != nullptr);
   }
   if (outcome.playback.interrupted) {
     log::warn("stopped by a signal after {} of {} frames", outcome.playback.frames.size(), setup.dataset.size());
     return 128 + InterruptSignal();
   }
-  return 0;
+  RethrowError(outcome.playback);
+  return outcome.playback.slam.tracked_frames > 0 ? 0 : kNothingTracked;
 }
 
 }  // namespace
@@ -227,6 +279,8 @@ void AddRunCommand(CLI::App& app) {
       ->add_option("--rate", arguments->play.rate,
                    "Play so many times as fast as recorded; 0 = as fast as it goes; default 1, in lockstep 0")
       ->type_name("R");
+  command->add_flag("--strict", arguments->play.strict,
+                    "End with an error at the first frame whose files cannot be read, instead of leaving it out");
   command->add_flag("--lockstep", arguments->lockstep,
                     "Everything on one thread in a fixed order: the same bytes every time");
   command

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <csignal>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -15,6 +16,7 @@
 
 #include "base/error.h"
 #include "base/log.h"
+#include "base/sha256.h"
 #include "cli/command.h"
 #include "io/dataset.h"
 #include "io/options_yaml.h"
@@ -179,7 +181,7 @@ TEST_F(RunCommandTest, WithoutGroundTruthAccuracyIsNull) {
 
 TEST_F(RunCommandTest, SaysWhyItNeverStarted) {
   std::string printed;
-  ASSERT_EQ(Program(RunWords({"--frames", ":5", "--set", "tracking.min_start_points=10000"}), &printed), 0);
+  ASSERT_EQ(Program(RunWords({"--frames", ":5", "--set", "tracking.min_start_points=10000"}), &printed), 3);
   EXPECT_EQ(Report()["tracked"], 0);
   EXPECT_EQ(Report()["not_started"], 5);
   EXPECT_THAT(printed, HasSubstr("0 of 5 frames tracked, 0 lost, 5 before the start"));
@@ -205,11 +207,87 @@ TEST_F(RunCommandTest, InterruptedBeforeTheFirstFrameLeavesEarlierResultsAlone) 
   EXPECT_EQ(std::distance(fs::directory_iterator(out_), {}), 3);
 }
 
+TEST_F(RunCommandTest, OneDamagedPictureIsLeftOut) {
+  const fs::path copy = CopyOfSequence();
+  const fs::path broken = Dataset::Open(copy).frames()[12].color_path;
+  fs::resize_file(broken, fs::file_size(broken) / 2);
+  std::vector<std::string> words = RunWords();
+  words[1] = copy.string();
+  std::string printed;
+  EXPECT_EQ(Program(words, &printed), 0);
+  EXPECT_THAT(printed, HasSubstr("39 of 39 frames tracked"));
+  EXPECT_THAT(printed, HasSubstr("left out: 1 frames that cannot be read"));
+  EXPECT_EQ(Report()["left_out"], 1);
+  EXPECT_THAT(Report()["first_left_out_because"].get<std::string>(), HasSubstr(broken.filename().string()));
+}
+
+TEST_F(RunCommandTest, WhenReadingEndsForGoodWhatWasTrackedIsWritten) {
+  const fs::path copy = CopyOfSequence();
+  const Dataset dataset = Dataset::Open(copy);
+  for (std::size_t i = 25; i < dataset.size(); ++i) {
+    fs::remove(dataset.frames()[i].depth_path);
+    std::ofstream(dataset.frames()[i].depth_path) << "";
+  }
+  std::vector<std::string> words = RunWords({"--video", (out_ / "run.mp4").string()});
+  words[1] = copy.string();
+  EXPECT_THAT(ErrorOf(words), HasSubstr("reading ended for good at frame 25"));
+  EXPECT_EQ(ReadTrajectory(out_ / "trajectory.txt").size(), 25U);
+  EXPECT_THAT(Report()["error"].get<std::string>(), HasSubstr("for good"));
+  EXPECT_TRUE(fs::exists(out_ / "run.mp4"));
+}
+
+TEST_F(RunCommandTest, ASetOfResultsIsOfOneRunOrSaysSo) {
+  ASSERT_EQ(Program(RunWords({"--frames", ":10"})), 0);
+  const nlohmann::json report = Report();
+  const std::string id = report["run_id"];
+  EXPECT_EQ(id.size(), 16U);
+  for (const auto& [name, digest] : report["files"].items()) {
+    EXPECT_EQ(Sha256(out_ / name), digest) << name;
+  }
+  EXPECT_EQ(report["files"].size(), 6U);
+  for (const char* name : {"options.yaml", "frames.csv", "trajectory.svg"}) {
+    EXPECT_THAT(ReadFile(out_ / name), HasSubstr(id)) << name;
+  }
+  EXPECT_EQ(report["camera"]["fx"], 262.5);
+  EXPECT_EQ(report["input"]["folder"], sequence_.string());
+  ASSERT_EQ(Program(RunWords({"--frames", ":10"})), 0);
+  EXPECT_NE(Report()["run_id"], id);
+}
+
+TEST_F(RunCommandTest, NamesMayBeAnyBytes) {
+  const fs::path copy = own_.path() /
+                        "k\xFC"
+                        "che";  // Latin-1
+  fs::copy(sequence_, copy, fs::copy_options::recursive);
+  std::vector<std::string> words = RunWords({"--frames", ":5"});
+  words[1] = copy.string();
+  ASSERT_EQ(Program(words), 0);
+  EXPECT_EQ(Report()["sequence"],
+            "k\xEF\xBF\xBD"
+            "che");
+}
+
+TEST_F(RunCommandTest, ADepthScaleThatCannotBeIsRefusedWithTheLikelyOne) {
+  const fs::path copy = CopyOfSequence();
+  const std::string camera = ReadFile(copy / "camera.yaml");
+  const std::string right = "depth_scale: 5000";
+  std::vector<std::string> words = RunWords();
+  words[1] = copy.string();
+  const auto with_scale = [&](const std::string& scale) {
+    std::string text = camera;
+    std::ofstream(copy / "camera.yaml") << text.replace(text.find(right), right.size(), "depth_scale: " + scale);
+    return ErrorOf(words);
+  };
+  EXPECT_THAT(with_scale("200"), HasSubstr("likely right is depth_scale: 5000"));
+  EXPECT_THAT(with_scale("1.0"), HasSubstr("units in a metre"));
+  EXPECT_THAT(with_scale("0.0002"), HasSubstr("depth_scale: 5000"));
+}
+
 TEST_F(RunCommandTest, BadInputWritesNothing) {
   const fs::path copy = CopyOfSequence();
   const fs::path broken = Dataset::Open(copy).frames()[12].color_path;
   fs::resize_file(broken, fs::file_size(broken) / 2);
-  std::vector<std::string> words = RunWords({"--video", (out_ / "run.mp4").string()});
+  std::vector<std::string> words = RunWords({"--strict", "--video", (out_ / "run.mp4").string()});
   words[1] = copy.string();
   EXPECT_THAT(ErrorOf(words), HasSubstr(broken.filename().string()));
   EXPECT_TRUE(fs::is_empty(out_));

@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "cli/process_info.h"
+#include "cli/run_identity.h"
 #include "cli/series_json.h"
 #include "eval/statistics.h"
 
@@ -14,9 +15,6 @@ namespace rds {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-// A frame that starts later than this after it was due counts as late, in milliseconds.
-constexpr double kLate_ms = 10;
 
 std::vector<double> LabelSeries(const std::vector<LabelEvent>& labels, double LabelEvent::*member) {
   std::vector<double> values;
@@ -51,6 +49,20 @@ Json SemanticReport(const RunDescription& description, const PlaybackResult& pla
   return report;
 }
 
+// What ended the run early; null if nothing did.
+Json ErrorText(const std::exception_ptr& error) {
+  if (error == nullptr) {
+    return nullptr;
+  }
+  try {
+    std::rethrow_exception(error);
+  } catch (const std::exception& known) {
+    return known.what();
+  } catch (...) {
+    return "an unknown error";
+  }
+}
+
 }  // namespace
 
 std::vector<double> TimingSeries(const std::vector<FrameResult>& frames, double FrameTiming::*member) {
@@ -62,6 +74,17 @@ std::vector<double> TimingSeries(const std::vector<FrameResult>& frames, double 
 
 std::ptrdiff_t FramesNotStarted(const std::vector<FrameResult>& frames) {
   return std::ranges::count(frames, TrackingState::kNotInitialized, &FrameResult::state);
+}
+
+std::optional<std::size_t> LostForGoodSince(const std::vector<FrameResult>& frames) {
+  const auto tracked = std::find_if(frames.rbegin(), frames.rend(),
+                                    [](const FrameResult& frame) { return frame.state != TrackingState::kLost; });
+  const auto lost = static_cast<std::size_t>(tracked - frames.rbegin());
+  return lost > 0 ? std::optional(frames.size() - lost) : std::nullopt;
+}
+
+std::ptrdiff_t LateFrames(const PlaybackResult& playback) {
+  return std::ranges::count_if(playback.lateness_ms, [](double late_ms) { return late_ms > kLate_ms; });
 }
 
 Json CpuReport(const PlaybackResult& playback, double other_cpu_s) {
@@ -79,7 +102,11 @@ Json CpuReport(const PlaybackResult& playback, double other_cpu_s) {
 Json RunReport(const RunDescription& description, const PlaybackResult& playback) {
   const SlamResult& slam = playback.slam;
   Json report;
+  report["run_id"] = description.run_id;
   report["sequence"] = description.sequence;
+  report["input"] = description.input;
+  report["camera"] = description.camera;
+  report["versions"] = VersionsJson();
   report["rate"] = description.rate;
   report["lockstep"] = description.lockstep;
   report["interrupted"] = playback.interrupted;
@@ -87,8 +114,12 @@ Json RunReport(const RunDescription& description, const PlaybackResult& playback
   report["tracked"] = slam.tracked_frames;
   report["lost"] = slam.lost_frames;
   report["not_started"] = FramesNotStarted(playback.frames);
-  report["late"] = std::count_if(playback.lateness_ms.begin(), playback.lateness_ms.end(),
-                                 [](double late_ms) { return late_ms > kLate_ms; });
+  report["left_out"] = playback.left_out;
+  report["first_left_out_because"] = playback.left_out > 0 ? Json(playback.first_problem) : Json(nullptr);
+  const std::optional<std::size_t> lost_since = LostForGoodSince(playback.frames);
+  report["lost_for_good_since_s"] = lost_since ? Json(playback.frames[*lost_since].timestamp_s) : Json(nullptr);
+  report["error"] = ErrorText(playback.error);
+  report["late"] = LateFrames(playback);
   report["keyframes"] = slam.keyframes.size();
   report["map_points"] = slam.map.points.size();
   report["start_up_s"] =
@@ -119,31 +150,32 @@ std::string ToString(TrackingState state) {
   throw InvariantError("unknown tracking state");
 }
 
-std::string FramesCsv(const PlaybackResult& playback) {
+std::string FramesCsv(const PlaybackResult& playback, const std::string& run_id) {
   Check(playback.frames.size() == playback.lateness_ms.size(), "a lateness for each frame");
   std::string csv =
       "frame,timestamp_s,state,total_ms,extraction_ms,matching_ms,pose_ms,local_map_ms,cpu_ms,static_matches,"
-      "unknown_matches,rejected_matches,keyframe,semantic_delay_frames,lateness_ms\n";
+      "unknown_matches,rejected_matches,keyframe,semantic_delay_frames,lateness_ms,run\n";
   for (std::size_t i = 0; i < playback.frames.size(); ++i) {
     const FrameResult& frame = playback.frames[i];
     const FrameTiming& timing = frame.timing;
-    csv += fmt::format("{},{:.6f},{},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},{},{},{},{},{},{:.3f}\n",
+    csv += fmt::format("{},{:.6f},{},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},{},{},{},{},{},{:.3f},{}\n",
                        frame.frame.value, frame.timestamp_s, ToString(frame.state), timing.total_ms,
                        timing.extraction_ms, timing.matching_ms, timing.pose_ms, timing.local_map_ms, timing.cpu_ms,
                        frame.static_matches, frame.unknown_matches, frame.rejected_matches, frame.is_keyframe ? 1 : 0,
                        frame.semantic_delay_frames ? std::to_string(*frame.semantic_delay_frames) : "",
-                       playback.lateness_ms[i]);
+                       playback.lateness_ms[i], run_id);
   }
   return csv;
 }
 
-std::string SemanticsCsv(const std::vector<LabelEvent>& labels) {
-  std::string csv = "labelled_frame,current_frame,delay_frames,segmentation_ms,mask_ms,update_ms,optimisation_ms\n";
+std::string SemanticsCsv(const std::vector<LabelEvent>& labels, const std::string& run_id) {
+  std::string csv = "labelled_frame,current_frame,delay_frames,segmentation_ms,mask_ms,update_ms,optimisation_ms,run\n";
   for (const LabelEvent& label : labels) {
     const auto delay =
         static_cast<std::int64_t>(label.current_frame.value) - static_cast<std::int64_t>(label.labelled_frame.value);
-    csv += fmt::format("{},{},{},{:.3f},{:.3f},{:.3f},{:.3f}\n", label.labelled_frame.value, label.current_frame.value,
-                       delay, label.segmentation_ms, label.mask_ms, label.update_ms, label.optimisation_ms);
+    csv +=
+        fmt::format("{},{},{},{:.3f},{:.3f},{:.3f},{:.3f},{}\n", label.labelled_frame.value, label.current_frame.value,
+                    delay, label.segmentation_ms, label.mask_ms, label.update_ms, label.optimisation_ms, run_id);
   }
   return csv;
 }

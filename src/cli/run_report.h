@@ -3,7 +3,9 @@
 
 #include <cstddef>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "cli/playback.h"
 
@@ -16,6 +18,9 @@ struct RunDescription {
   double rate = 1;
   bool lockstep = false;
   double started_after_s = 0;  // from the start of the process to the start of playing
+  std::string run_id;          // of NewRunId
+  nlohmann::ordered_json camera;
+  nlohmann::ordered_json input;
 };
 
 // report.json without the accuracy: counts, times (median, mean, p95, max), memory, semantics. Times that were never
@@ -26,14 +31,21 @@ struct RunDescription {
 // `other_cpu_s` is taken off the first (a yardstick, drawing).
 [[nodiscard]] nlohmann::ordered_json CpuReport(const PlaybackResult& playback, double other_cpu_s);
 
+// The frame from which on tracking was lost to the end, if it was: its place among those processed.
+[[nodiscard]] std::optional<std::size_t> LostForGoodSince(const std::vector<FrameResult>& frames);
+
+// Frames begun later than that after they were due are late, in milliseconds.
+inline constexpr double kLate_ms = 10;
+[[nodiscard]] std::ptrdiff_t LateFrames(const PlaybackResult& playback);
+
 // Frames before the first pose: neither tracked nor lost.
 [[nodiscard]] std::ptrdiff_t FramesNotStarted(const std::vector<FrameResult>& frames);
 
 // One line a frame, with a heading.
-[[nodiscard]] std::string FramesCsv(const PlaybackResult& playback);
+[[nodiscard]] std::string FramesCsv(const PlaybackResult& playback, const std::string& run_id);
 
 // One line a label that arrived, with a heading.
-[[nodiscard]] std::string SemanticsCsv(const std::vector<LabelEvent>& labels);
+[[nodiscard]] std::string SemanticsCsv(const std::vector<LabelEvent>& labels, const std::string& run_id);
 
 // A value of each frame's timing as a series.
 [[nodiscard]] std::vector<double> TimingSeries(const std::vector<FrameResult>& frames, double FrameTiming::*member);

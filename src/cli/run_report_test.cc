@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "base/version.h"
+
 namespace rds {
 namespace {
 
@@ -39,9 +41,23 @@ PlaybackResult TenFrames() {
 }
 
 TEST(RunReport, SaysWhatHappened) {
-  const nlohmann::ordered_json report = RunReport(
-      {.sequence = "room", .segmenter = "stored", .rate = 1, .lockstep = false, .started_after_s = 0.2}, TenFrames());
+  const nlohmann::ordered_json report = RunReport({.sequence = "room",
+                                                   .segmenter = "stored",
+                                                   .rate = 1,
+                                                   .lockstep = false,
+                                                   .started_after_s = 0.2,
+                                                   .run_id = "1f",
+                                                   .camera = {{"name", "tum_fr1"}},
+                                                   .input = {{"frames", 10}}},
+                                                  TenFrames());
   EXPECT_EQ(report["sequence"], "room");
+  EXPECT_EQ(report["run_id"], "1f");
+  EXPECT_EQ(report["camera"]["name"], "tum_fr1");
+  EXPECT_EQ(report["input"]["frames"], 10);
+  EXPECT_EQ(report["versions"]["rds"], kVersion);
+  EXPECT_TRUE(report["error"].is_null());
+  EXPECT_EQ(report["left_out"], 0);
+  EXPECT_DOUBLE_EQ(report["lost_for_good_since_s"], 1000.9);
   EXPECT_EQ(report["frames"], 10);
   EXPECT_EQ(report["tracked"], 8);
   EXPECT_EQ(report["lost"], 1);
@@ -61,6 +77,30 @@ TEST(RunReport, SaysWhatHappened) {
   EXPECT_DOUBLE_EQ(report["semantics"]["optimisation_ms"]["mean"], 9) << "only where one was due";
 }
 
+TEST(RunReport, SaysWhatEndedTheRunAndWhatWasLeftOut) {
+  PlaybackResult playback = TenFrames();
+  playback.error = std::make_exception_ptr(std::runtime_error("the disk is gone"));
+  playback.left_out = 2;
+  playback.first_problem = "a.png: damaged";
+  const nlohmann::ordered_json report = RunReport({}, playback);
+  EXPECT_EQ(report["error"], "the disk is gone");
+  EXPECT_EQ(report["left_out"], 2);
+  EXPECT_EQ(report["first_left_out_because"], "a.png: damaged");
+}
+
+TEST(RunReport, LostForGoodIsWhereTheLastRunOfLostFramesBegins) {
+  std::vector<FrameResult> frames(5);
+  for (FrameResult& frame : frames) {
+    frame.state = TrackingState::kTracked;
+  }
+  EXPECT_EQ(LostForGoodSince(frames), std::nullopt);
+  frames[1].state = TrackingState::kLost;
+  EXPECT_EQ(LostForGoodSince(frames), std::nullopt);
+  frames[3].state = frames[4].state = TrackingState::kLost;
+  EXPECT_EQ(LostForGoodSince(frames), 3U);
+  EXPECT_EQ(LostForGoodSince({}), std::nullopt);
+}
+
 TEST(RunReport, WhatWasNotMeasuredIsNull) {
   const nlohmann::ordered_json report = RunReport({}, {});
   EXPECT_EQ(report["frames"], 0);
@@ -71,18 +111,18 @@ TEST(RunReport, WhatWasNotMeasuredIsNull) {
 }
 
 TEST(RunReport, FramesCsvHasALineAFrame) {
-  const std::string csv = FramesCsv(TenFrames());
+  const std::string csv = FramesCsv(TenFrames(), "1f");
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 11);
-  EXPECT_THAT(csv, HasSubstr("\n1,1000.100000,tracked,2.000,0.000,0.000,0.000,0.000,2.000,0,0,0,1,,0.000\n"));
+  EXPECT_THAT(csv, HasSubstr("\n1,1000.100000,tracked,2.000,0.000,0.000,0.000,0.000,2.000,0,0,0,1,,0.000,1f\n"));
   EXPECT_THAT(csv, HasSubstr("\n9,1000.900000,lost,10.000,"));
-  EXPECT_THAT(csv, HasSubstr(",0,5,12.000\n"));
+  EXPECT_THAT(csv, HasSubstr(",0,5,12.000,1f\n"));
 }
 
 TEST(RunReport, SemanticsCsvHasALineALabel) {
-  EXPECT_EQ(SemanticsCsv(TenFrames().slam.labels),
-            "labelled_frame,current_frame,delay_frames,segmentation_ms,mask_ms,update_ms,optimisation_ms\n"
-            "1,4,3,30.000,1.000,2.000,0.000\n"
-            "3,6,3,32.000,1.000,2.000,9.000\n");
+  EXPECT_EQ(SemanticsCsv(TenFrames().slam.labels, "1f"),
+            "labelled_frame,current_frame,delay_frames,segmentation_ms,mask_ms,update_ms,optimisation_ms,run\n"
+            "1,4,3,30.000,1.000,2.000,0.000,1f\n"
+            "3,6,3,32.000,1.000,2.000,9.000,1f\n");
 }
 
 }  // namespace

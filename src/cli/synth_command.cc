@@ -3,8 +3,8 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <cstdio>
 #include <filesystem>
+#include <iostream>
 #include <memory>
 #include <optional>
 #include <string>
@@ -89,12 +89,10 @@ class WritingProgress {
     }
     printed_at_s_ = now_s;
     const double left_s = now_s / done * (frames_ - done);
-    fmt::print(stderr, "{}{} of {} frames, {:.0f} frames/s, {:.0f} s left{}", terminal_ ? "\r" : "", done, frames_,
-               done / now_s, left_s, terminal_ ? "  " : "\n");
-    if (terminal_ && done == frames_) {
-      fmt::print(stderr, "\n");
-    }
-    std::fflush(stderr);
+    // Through the stream, which fails without a word: a closed terminal ends no work.
+    std::cerr << fmt::format("{}{} of {} frames, {:.0f} frames/s, {:.0f} s left{}", terminal_ ? "\r" : "", done,
+                             frames_, done / now_s, left_s, terminal_ ? "  " : "\n")
+              << (terminal_ && done == frames_ ? "\n" : "") << std::flush;
   }
 
  private:
@@ -107,18 +105,21 @@ class WritingProgress {
 void RunSynth(const SynthArguments& arguments) {
   const SyntheticOptions options = OptionsFrom(arguments);
   PrepareOutputFolder(arguments.out);
-  fmt::print(stderr, "building the room (scenario {}, path {}, {} movers, seed {})\n", arguments.scenario,
-             arguments.path, ResolveMovers(options), options.seed);
+  std::cerr << fmt::format("building the room (scenario {}, path {}, {} movers, seed {})\n", arguments.scenario,
+                           arguments.path, ResolveMovers(options), options.seed);
   const SyntheticWorld world(options);
   WritingProgress progress(options.frames);
   WriteSyntheticSequence(world, arguments.out, [&](int done) { progress.Update(done); });
 
   const std::string folder = (std::filesystem::path(arguments.out) / "").parent_path().string();
-  fmt::print("{} frames at {} Hz with ground truth and masks: {}\n", options.frames, kSyntheticFrameRateHz, folder);
-  fmt::print("camera: {}/camera.yaml\n", folder);
   // With people in it, the masks that lie in the folder stand in for a segmentation network.
-  fmt::print("next:   rds run {} --camera {} --segmenter {} --out {}\n", Quoted(folder),
-             Quoted(folder + "/camera.yaml"), ResolveMovers(options) > 0 ? "stored" : "none", Quoted(folder + "_run"));
+  std::cout << fmt::format("{} frames at {} Hz with ground truth and masks: {}\n", options.frames,
+                           kSyntheticFrameRateHz, folder)
+            << fmt::format("camera: {}/camera.yaml\n", folder)
+            << fmt::format("next:   rds run {} --camera {} --segmenter {} --out {}\n", Quoted(folder),
+                           Quoted(folder + "/camera.yaml"), ResolveMovers(options) > 0 ? "stored" : "none",
+                           Quoted(folder + "_run"))
+            << std::flush;
 }
 
 }  // namespace

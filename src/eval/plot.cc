@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <vector>
 
 #include "eval/svg.h"
 
@@ -69,6 +70,17 @@ double TickStep(double span, int count) {
   return 10 * power;
 }
 
+// Multiples of the step from `low` to `high`; counted, so that they end where a step is lost in rounding, too.
+std::vector<double> Ticks(double low, double high, double step) {
+  constexpr int kMost = 100;
+  std::vector<double> ticks;
+  const double first = std::ceil(low / step);
+  for (int i = 0; i < kMost && (first + i) * step <= high; ++i) {
+    ticks.push_back((first + i) * step);
+  }
+  return ticks;
+}
+
 // With the decimals that the step needs.
 std::string TickText(double value, double step) {
   const int decimals = std::max(0, static_cast<int>(-std::floor(std::log10(step) + 1e-9)));
@@ -117,12 +129,12 @@ class Window {
 void DrawAxes(SvgWriter& svg, const Window& window, const std::array<int, 2>& axes) {
   constexpr const char* kGrid = "stroke='#e4e4e4'";
   const double step = TickStep((window.high() - window.low()).maxCoeff(), 8);
-  for (double x = std::ceil(window.low().x() / step) * step; x <= window.high().x(); x += step) {
+  for (const double x : Ticks(window.low().x(), window.high().x(), step)) {
     const double px = window.At({x, 0}).x();
     svg.Line({px, window.Top()}, {px, window.Bottom()}, kGrid);
     svg.Text({px, window.Bottom() + 18}, SvgAnchor::kMiddle, TickText(x, step));
   }
-  for (double y = std::ceil(window.low().y() / step) * step; y <= window.high().y(); y += step) {
+  for (const double y : Ticks(window.low().y(), window.high().y(), step)) {
     const double py = window.At({0, y}).y();
     svg.Line({window.Left(), py}, {window.Right(), py}, kGrid);
     svg.Text({window.Left() - 8, py + 4}, SvgAnchor::kEnd, TickText(y, step));
@@ -220,7 +232,7 @@ void DrawColorBar(SvgWriter& svg, const Window& window, double largest_m) {
   const Unit unit = UnitFor(largest_m);
   const double largest = std::max(largest_m * unit.per_m, 1e-9);
   const double step = TickStep(largest, 5);
-  for (double value = 0; value <= largest * (1 + 1e-9); value += step) {
+  for (const double value : Ticks(0, largest * (1 + 1e-9), step)) {
     const double y = top + height * (1 - value / largest);
     svg.Line({left + 14, y}, {left + 18, y}, "stroke='#333'");
     svg.Text({left + 22, y + 4}, SvgAnchor::kStart, TickText(value, step), "font-size='12'");

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <opencv2/calib3d.hpp>
 
 #include "base/error.h"
+#include "feature/undistortion.h"
 
 namespace rds {
 
@@ -29,13 +29,15 @@ FrameData::FrameData(const PinholeCamera& camera, std::vector<Keypoint> keypoint
   max_x_ = static_cast<float>(camera.width);
   max_y_ = static_cast<float>(camera.height);
   if (camera.HasDistortion()) {
-    const cv::Matx33d k(camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1);
-    std::vector<cv::Point2f> corners = {{0, 0}, {max_x_, 0}, {0, max_y_}, {max_x_, max_y_}};
-    cv::undistortPoints(corners, corners, k, cv::Mat(1, 5, CV_64F, camera_.distortion.data()), cv::noArray(), k);
-    min_x_ = std::min(corners[0].x, corners[2].x);
-    max_x_ = std::max(corners[1].x, corners[3].x);
-    min_y_ = std::min(corners[0].y, corners[1].y);
-    max_y_ = std::max(corners[2].y, corners[3].y);
+    std::vector<Eigen::Vector2f> corners = {{0, 0}, {max_x_, 0}, {0, max_y_}, {max_x_, max_y_}};
+    UndistortPixels(camera, corners);
+    min_x_ = std::min(corners[0].x(), corners[2].x());
+    max_x_ = std::max(corners[1].x(), corners[3].x());
+    min_y_ = std::min(corners[0].y(), corners[1].y());
+    max_y_ = std::max(corners[2].y(), corners[3].y());
+    Check(
+        max_x_ - min_x_ > 0 && max_y_ - min_y_ > 0 && std::isfinite(max_x_ - min_x_) && std::isfinite(max_y_ - min_y_),
+        "the undistorted image has a size");
   }
   columns_per_px_ = kGridColumns / (max_x_ - min_x_);
   rows_per_px_ = kGridRows / (max_y_ - min_y_);

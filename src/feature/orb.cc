@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <opencv2/calib3d.hpp>
 #include <utility>
 #include <vector>
 
@@ -12,6 +11,7 @@
 #include "feature/orb_fast.h"
 #include "feature/orb_image.h"
 #include "feature/orb_select.h"
+#include "feature/undistortion.h"
 
 namespace rds {
 namespace {
@@ -102,16 +102,15 @@ void Undistort(const PinholeCamera& camera, std::vector<Keypoint>& keypoints) {
   if (!camera.HasDistortion() || keypoints.empty()) {
     return;
   }
-  std::vector<cv::Point2f> points;
-  points.reserve(keypoints.size());
+  std::vector<Eigen::Vector2f> pixels;
+  pixels.reserve(keypoints.size());
   for (const Keypoint& keypoint : keypoints) {
-    points.emplace_back(keypoint.raw_x, keypoint.raw_y);
+    pixels.emplace_back(keypoint.raw_x, keypoint.raw_y);
   }
-  const cv::Matx33d k(camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1);
-  cv::undistortPoints(points, points, k, cv::Mat(camera.distortion), cv::noArray(), k);
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    keypoints[i].x = points[i].x;
-    keypoints[i].y = points[i].y;
+  UndistortPixels(camera, pixels);
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    keypoints[i].x = pixels[i].x();
+    keypoints[i].y = pixels[i].y();
   }
 }
 

@@ -374,7 +374,7 @@ TEST(OrbExtractor, UndistortsKeypoints) {
     const double x = (k.x - camera.cx) / camera.fx;
     const double y = (k.y - camera.cy) / camera.fy;
     const double r2 = x * x + y * y;
-    const auto& [k1, k2, p1, p2, k3] = camera.distortion;
+    const auto& [k1, k2, p1, p2, k3, none, of, these] = camera.distortion;
     const double radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3));
     const double raw_x = camera.fx * (x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x)) + camera.cx;
     const double raw_y = camera.fy * (y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y) + camera.cy;

@@ -3,12 +3,18 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cstdint>
 
 namespace rds {
 
+// Of a lens, with the coefficients in OpenCV's order.
+enum class DistortionModel : std::uint8_t {
+  kBrownConrady,  // k1, k2, p1, p2, k3, and k4, k5, k6 of the rational model ("plumb_bob", "rational_polynomial")
+  kFisheye,       // k1, k2, k3, k4 of the equidistant model (Kannala-Brandt)
+};
+
 // Intrinsics of a registered RGB-D camera. Camera frame: x right, y down, z forward; pixel (0, 0) is the centre of the
-// top left pixel. Distortion is Brown-Conrady (k1, k2, p1, p2, k3), as in OpenCV. A value: safe to copy between
-// threads.
+// top left pixel. A value: safe to copy between threads.
 struct PinholeCamera {
   int width = 640;
   int height = 480;
@@ -16,11 +22,15 @@ struct PinholeCamera {
   double fy = 0;
   double cx = 0;
   double cy = 0;
-  std::array<double, 5> distortion{};
+  std::array<double, 8> distortion{};  // as its model has them; all 0 = none
+  DistortionModel distortion_model = DistortionModel::kBrownConrady;
   double depth_scale = 5000;  // units of a depth image in a metre
   double baseline_m = 0.08;   // of the virtual right camera that turns depth into disparity (and of the sensor itself)
+  bool unusual = false;       // its owner says that the numbers are right, although no known camera has them
 
-  [[nodiscard]] bool HasDistortion() const { return distortion != std::array<double, 5>{}; }
+  [[nodiscard]] bool HasDistortion() const {
+    return distortion_model == DistortionModel::kFisheye || distortion != std::array<double, 8>{};
+  }
   // Focal length times baseline (pixel metres): disparity_px = bf / depth_m.
   [[nodiscard]] double Bf() const { return fx * baseline_m; }
   // Undistorted pixel of a point in the camera frame with z > 0.

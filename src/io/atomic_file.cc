@@ -2,11 +2,10 @@
 
 #include <fcntl.h>
 #include <spdlog/fmt/fmt.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
-#include <atomic>
 #include <cerrno>
-#include <cstring>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -19,78 +18,54 @@ namespace {
 
 namespace fs = std::filesystem;
 
-InputError WriteError(const fs::path& path, int error) {
-  std::string message = path.string() + ": cannot be written: " + std::strerror(error);
-  if (error == ENOSPC || error == EDQUOT) {
-    message += "; make room or choose another place";
-  }
-  return InputError(message);
-}
-
-// Writes and closes; the number of the system's error, or 0.
+// Writes all of the text; the number of the system's error, or 0.
 int WriteAll(int file, std::string_view text, bool sync) {
-  int error = 0;
-  while (!text.empty() && error == 0) {
+  while (!text.empty()) {
     const ssize_t count = write(file, text.data(), text.size());
     if (count >= 0) {
       text.remove_prefix(static_cast<std::size_t>(count));
     } else if (errno != EINTR) {
-      error = errno;
+      return errno;
     }
   }
-  if (error == 0 && sync && fsync(file) != 0) {
-    error = errno;
-  }
-  if (close(file) != 0 && error == 0) {
-    error = errno;
-  }
-  return error;
+  return sync && fsync(file) != 0 ? errno : 0;
 }
-
-// A file beside its target that disappears unless renamed. Not thread-safe.
-class TemporaryFile {
- public:
-  explicit TemporaryFile(const fs::path& target) : target_(target), temporary_(NameBeside(target)) {}
-
-  // Both give the number of the system's error, or 0.
-  [[nodiscard]] int Write(std::string_view text) {
-    const int file = open(temporary_.path().c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (file >= 0) {
-      return WriteAll(file, text, true);
-    }
-    const int error = errno;
-    temporary_.Disown();
-    return error;
-  }
-  [[nodiscard]] int Rename() { return temporary_.MoveTo(target_); }
-
-  [[nodiscard]] const fs::path& target() const { return target_; }
-
- private:
-  static fs::path NameBeside(const fs::path& target) {
-    static std::atomic<unsigned> counter = 0;
-    return target.parent_path() / fmt::format(".{}.{}-{}", target.filename().string(), getpid(), counter++);
-  }
-
-  fs::path target_;
-  TemporaryPath temporary_;
-};
 
 // For /dev/stdout and the like, which must not be replaced by a file.
 void WriteStraight(const fs::path& path, std::string_view text) {
-  const int file = open(path.c_str(), O_WRONLY | O_CLOEXEC);
-  const int error = file < 0 ? errno : WriteAll(file, text, false);
+  const int file = open(path.c_str(), O_WRONLY | O_CLOEXEC | O_NONBLOCK);  // a pipe that nobody reads: an error
+  int error = file < 0 ? errno : 0;
+  if (file >= 0) {
+    fcntl(file, F_SETFL, fcntl(file, F_GETFL) & ~O_NONBLOCK);
+    error = WriteAll(file, text, false);
+    error = close(file) != 0 && error == 0 ? errno : error;
+  }
   if (error != 0) {
-    throw WriteError(path, error);
+    throw CannotWrite(path, error);
+  }
+}
+
+// A link that somebody else made may lead anywhere. Ours, and root's, are meant.
+void RefuseForeignLinks(const fs::path& path) {
+  fs::path walked;
+  for (const fs::path& part : fs::absolute(path)) {
+    walked /= part;
+    struct stat status {};
+    if (lstat(walked.c_str(), &status) == 0 && S_ISLNK(status.st_mode) && status.st_uid != geteuid() &&
+        status.st_uid != 0) {
+      throw InputError(fmt::format("{}: not written: {} is a link that another user made; choose another place",
+                                   path.string(), walked.string()));
+    }
   }
 }
 
 // The regular file to replace: what a link points to, so that a link stays a link. Nothing for a device.
 std::optional<fs::path> FileToReplace(const fs::path& path) {
+  RefuseForeignLinks(path);
   std::error_code ignored;
   const fs::file_status status = fs::status(path, ignored);
   if (fs::is_directory(status)) {
-    throw WriteError(path, EISDIR);
+    throw CannotWrite(path, EISDIR);
   }
   if (fs::exists(status) && !fs::is_regular_file(status)) {
     return std::nullopt;
@@ -101,7 +76,7 @@ std::optional<fs::path> FileToReplace(const fs::path& path) {
 }  // namespace
 
 void WriteFilesAtomically(std::span<const OutputFile> files) {
-  std::vector<TemporaryFile> temporary;
+  std::vector<std::pair<TemporaryPath, fs::path>> temporary;
   std::vector<const OutputFile*> straight;
   for (const OutputFile& file : files) {
     const std::optional<fs::path> target = FileToReplace(file.path);
@@ -109,16 +84,17 @@ void WriteFilesAtomically(std::span<const OutputFile> files) {
       straight.push_back(&file);
       continue;
     }
-    if (const int error = temporary.emplace_back(*target).Write(file.text); error != 0) {
-      throw WriteError(file.path, error);
+    const TemporaryPath& made = temporary.emplace_back(TemporaryPath(*target), *target).first;
+    if (const int error = WriteAll(made.file(), file.text, true); error != 0) {
+      throw CannotWrite(file.path, error);
     }
   }
   for (const OutputFile* file : straight) {
     WriteStraight(file->path, file->text);
   }
-  for (TemporaryFile& file : temporary) {
-    if (const int error = file.Rename(); error != 0) {
-      throw WriteError(file.target(), error);
+  for (auto& [made, target] : temporary) {
+    if (const int error = made.MoveTo(target); error != 0) {
+      throw CannotWrite(target, error);
     }
   }
 }
@@ -129,13 +105,17 @@ void WriteFileAtomically(const fs::path& path, std::string_view text) {
 }
 
 void CheckWritable(const fs::path& path) {
-  const std::optional<fs::path> target = FileToReplace(path);
-  if (const int error = target ? TemporaryFile(*target).Write("\n") : 0; error != 0) {
-    throw WriteError(path, error);
+  if (const std::optional<fs::path> target = FileToReplace(path)) {
+    RemoveAbandonedFiles(target->parent_path());
+    const TemporaryPath trial(*target);
+    if (const int error = WriteAll(trial.file(), "\n", true); error != 0) {
+      throw CannotWrite(path, error);
+    }
   }
 }
 
 void PrepareOutputFolder(const fs::path& folder) {
+  RefuseForeignLinks(folder);
   std::error_code error;
   fs::create_directories(folder, error);
   std::error_code ignored;
@@ -143,8 +123,14 @@ void PrepareOutputFolder(const fs::path& folder) {
     throw InputError(
         fmt::format("{}: output folder cannot be made: {}", folder.string(), error ? error.message() : "not a folder"));
   }
-  if (const int reason = TemporaryFile(folder / "probe").Write(std::string(4096, '\n')); reason != 0) {
-    throw InputError(folder.string() + ": output folder cannot be written in: " + std::strerror(reason));
+  RemoveAbandonedFiles(folder);
+  try {
+    const TemporaryPath trial(folder / "trial");
+    if (const int reason = WriteAll(trial.file(), std::string(4096, '\n'), true); reason != 0) {
+      throw CannotWrite(folder, reason);
+    }
+  } catch (const InputError& reason) {
+    throw InputError(folder.string() + ": output folder cannot be written in: " + reason.what());
   }
 }
 

@@ -16,8 +16,8 @@ struct OutputFile {
 
 // Writes a temporary file beside each target, makes sure that its bytes are on the disk, and only when all are there
 // renames them: after an error (disk full, folder not writable) every target is as it was, and no temporary file is
-// left. Targets that are no regular files (/dev/stdout) are written straight. InputError names the path and the
-// system's reason.
+// left. What killed runs left beside them is removed. Nothing is written through links that another user made. Targets
+// that are no regular files (/dev/stdout) are written straight. InputError names the path and the system's reason.
 void WriteFilesAtomically(std::span<const OutputFile> files);
 
 // The same for one file.

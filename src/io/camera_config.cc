@@ -1,15 +1,13 @@
 #include "io/camera_config.h"
 
 #include <spdlog/fmt/fmt.h>
-#include <yaml-cpp/yaml.h>
 
 #include <algorithm>
 #include <cctype>
-#include <cmath>
 
 #include "base/error.h"
 #include "base/suggest.h"
-#include "io/text_table.h"
+#include "io/camera_file.h"
 
 namespace rds {
 namespace {
@@ -40,97 +38,6 @@ constexpr std::array<NamedCamera, 5> kCameras = {{
       .distortion = {0.039903, -0.099343, -0.000730, -0.000144, 0.0}}},
     {"redkitchen", {.fx = 585, .fy = 585, .cx = 320, .cy = 240}},
 }};
-
-const std::vector<std::string> kKeys = {"width", "height",     "fx",          "fy",        "cx",
-                                        "cy",    "distortion", "depth_scale", "baseline_m"};
-
-// Reads typed values out of one YAML mapping; every error names file, line and key.
-class CameraReader {
- public:
-  CameraReader(const fs::path& path, const YAML::Node& root) : path_(path), root_(root) {}
-
-  void CheckKeys() const {
-    std::vector<std::string> seen;
-    for (const auto& entry : root_) {
-      const std::string key = entry.first.Scalar();
-      if (std::find(kKeys.begin(), kKeys.end(), key) == kKeys.end()) {
-        throw Error(entry.first, "unknown key '" + key + "'" + Suggestion(key, kKeys));
-      }
-      if (std::find(seen.begin(), seen.end(), key) != seen.end()) {
-        throw Error(entry.first, "key '" + key + "' stands there twice");
-      }
-      seen.push_back(key);
-    }
-  }
-
-  // A number in (0, limit), or up to it and whole for sizes.
-  [[nodiscard]] double Positive(const char* key, double limit = 1e9) const {
-    const double value = Number(Required(key), key);
-    if (!(value > 0 && value < limit)) {
-      throw Error(root_[key], fmt::format("'{}' is {}, it must be more than 0 and less than {}", key, value, limit));
-    }
-    return value;
-  }
-  [[nodiscard]] int Size(const char* key) const {
-    const double value = Positive(key, 20000);
-    if (value != std::floor(value)) {
-      throw Error(root_[key], fmt::format("'{}' is {}, it must be a whole number of pixels", key, value));
-    }
-    return static_cast<int>(value);
-  }
-  [[nodiscard]] std::array<double, 5> Distortion() const {
-    std::array<double, 5> distortion{};
-    const YAML::Node node = root_["distortion"];
-    if (!node) {
-      return distortion;
-    }
-    if (!node.IsSequence() || node.size() != distortion.size()) {
-      throw Error(node, "'distortion' must be a list of five numbers: [k1, k2, p1, p2, k3]");
-    }
-    for (std::size_t i = 0; i < distortion.size(); ++i) {
-      distortion[i] = Number(node[i], "distortion");
-    }
-    return distortion;
-  }
-  [[nodiscard]] bool Has(const char* key) const { return root_[key].IsDefined(); }
-
- private:
-  [[nodiscard]] YAML::Node Required(const char* key) const {
-    if (!Has(key)) {
-      throw InputError(
-          fmt::format("{}: key '{}' is missing; see config/redkitchen.yaml for a whole file", path_.string(), key));
-    }
-    return root_[key];
-  }
-  [[nodiscard]] double Number(const YAML::Node& node, const char* key) const {
-    double value = 0;
-    if (!node.IsScalar() || !YAML::convert<double>::decode(node, value) || !std::isfinite(value)) {
-      throw Error(node, fmt::format("'{}' must be a finite number{}", key,
-                                    node.IsScalar() ? ", not '" + node.Scalar() + "'" : std::string()));
-    }
-    return value;
-  }
-  [[nodiscard]] InputError Error(const YAML::Node& node, const std::string& what) const {
-    return InputError(fmt::format("{}:{}: {}", path_.string(), node.Mark().line + 1, what));
-  }
-
-  const fs::path& path_;
-  const YAML::Node root_;
-};
-
-YAML::Node ParseMapping(const fs::path& path) {
-  YAML::Node root;
-  try {
-    root = YAML::Load(ReadFile(path));
-  } catch (const YAML::ParserException& error) {
-    throw InputError(fmt::format("{}:{}: not YAML: {}", path.string(), error.mark.line + 1, error.msg));
-  }
-  if (!root.IsMap()) {
-    throw InputError(path.string() +
-                     ": not a camera file: rows of 'key: value' are wanted; see config/redkitchen.yaml");
-  }
-  return root;
-}
 
 const NamedCamera* FindBuiltIn(std::string_view name) {
   const auto found = std::find_if(kCameras.begin(), kCameras.end(), [&](const auto& c) { return c.name == name; });
@@ -168,6 +75,25 @@ std::optional<std::string> RecogniseName(std::string name) {
   return HasWord(name, "bonn") ? std::optional<std::string>("bonn") : std::nullopt;
 }
 
+struct RecognisedCamera {
+  std::string name;
+  std::string folder;  // whose name tells
+};
+
+std::optional<RecognisedCamera> Recognise(const fs::path& sequence_folder) {
+  std::error_code ignored;
+  fs::path folder = fs::weakly_canonical(sequence_folder, ignored);
+  if (!folder.has_filename()) {
+    folder = folder.parent_path();
+  }
+  for (const fs::path& named : {folder, folder.parent_path()}) {
+    if (const std::optional<std::string> name = RecogniseName(named.filename().string())) {
+      return RecognisedCamera{*name, named.filename().string()};
+    }
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::span<const NamedCamera> BuiltInCameras() { return kCameras; }
@@ -178,24 +104,6 @@ std::vector<std::string> BuiltInCameraNames() {
     names.emplace_back(camera.name);
   }
   return names;
-}
-
-PinholeCamera ReadCamera(const fs::path& path) {
-  const CameraReader reader(path, ParseMapping(path));
-  reader.CheckKeys();
-  PinholeCamera camera;
-  camera.width = reader.Size("width");
-  camera.height = reader.Size("height");
-  camera.fx = reader.Positive("fx");
-  camera.fy = reader.Positive("fy");
-  camera.cx = reader.Positive("cx", camera.width);
-  camera.cy = reader.Positive("cy", camera.height);
-  camera.depth_scale = reader.Positive("depth_scale");
-  camera.distortion = reader.Distortion();
-  if (reader.Has("baseline_m")) {
-    camera.baseline_m = reader.Positive("baseline_m");
-  }
-  return camera;
 }
 
 PinholeCamera FindCamera(const std::string& name_or_path) {
@@ -211,37 +119,23 @@ PinholeCamera FindCamera(const std::string& name_or_path) {
   return ReadCamera(name_or_path);
 }
 
-std::string FormatCamera(const PinholeCamera& camera) {
-  const auto& d = camera.distortion;
-  return fmt::format(
-      "width: {}  # pixels\nheight: {}\nfx: {}  # pixels\nfy: {}\ncx: {}\ncy: {}\n"
-      "distortion: [{}, {}, {}, {}, {}]  # k1, k2, p1, p2, k3\n"
-      "depth_scale: {}  # units of a depth image in a metre\nbaseline_m: {}\n",
-      camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy, d[0], d[1], d[2], d[3], d[4],
-      camera.depth_scale, camera.baseline_m);
-}
-
 std::optional<std::string> RecogniseCamera(const fs::path& sequence_folder) {
-  std::error_code ignored;
-  fs::path folder = fs::weakly_canonical(sequence_folder, ignored);
-  if (!folder.has_filename()) {
-    folder = folder.parent_path();
-  }
-  const std::optional<std::string> name = RecogniseName(folder.filename().string());
-  return name ? name : RecogniseName(folder.parent_path().filename().string());
+  const std::optional<RecognisedCamera> found = Recognise(sequence_folder);
+  return found ? std::optional(found->name) : std::nullopt;
 }
 
-PinholeCamera CameraOfSequence(const fs::path& sequence_folder, const std::string& name_or_path) {
+FoundCamera CameraOfSequence(const fs::path& sequence_folder, const std::string& name_or_path) {
   if (!name_or_path.empty()) {
-    return FindCamera(name_or_path);
+    const bool built_in = FindBuiltIn(name_or_path) != nullptr;
+    return {FindCamera(name_or_path), built_in ? name_or_path : "file " + name_or_path, "as given with --camera"};
   }
   const fs::path own = sequence_folder / "camera.yaml";
   std::error_code ignored;
   if (fs::exists(own, ignored)) {
-    return ReadCamera(own);
+    return {ReadCamera(own), "file " + own.string(), "from the sequence's folder"};
   }
-  if (const std::optional<std::string> name = RecogniseCamera(sequence_folder)) {
-    return FindBuiltIn(*name)->camera;
+  if (const std::optional<RecognisedCamera> found = Recognise(sequence_folder)) {
+    return {FindBuiltIn(found->name)->camera, found->name, "recognised from the folder's name '" + found->folder + "'"};
   }
   throw InputError(fmt::format(
       "{}: the camera is not recognised from the folder's name: give it with --camera. Built in are {}; for another "

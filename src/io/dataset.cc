@@ -7,67 +7,17 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/log.h"
 #include "io/dataset_association.h"
+#include "io/dataset_lists.h"
 #include "io/image_io.h"
-#include "io/text_table.h"
+#include "io/time_unit.h"
 #include "io/trajectory_io.h"
 
 namespace rds {
 namespace {
 
 namespace fs = std::filesystem;
-
-bool IsFile(const fs::path& path) {
-  std::error_code ignored;
-  return fs::is_regular_file(path, ignored);
-}
-
-// An image as rgb.txt, depth.txt and mask.txt list it.
-struct ListedImage {
-  double timestamp_s = 0;
-  fs::path path;
-};
-
-ListedImage ParseImage(const TextTable& table, const TextRow& row, std::size_t column, const fs::path& folder) {
-  ListedImage image{table.Number(row, column, "timestamp"), folder / row.fields[column + 1]};
-  if (!IsFile(image.path)) {
-    throw InputError(fmt::format("{}: image {} is not there", table.Where(row), image.path.string()));
-  }
-  return image;
-}
-
-void CheckIncreasing(const TextTable& table, const TextRow& row, double before_s, double timestamp_s) {
-  if (!(timestamp_s > before_s)) {
-    throw InputError(fmt::format("{}: timestamp {:.6f} does not come after the one of the row above, {:.6f}",
-                                 table.Where(row), timestamp_s, before_s));
-  }
-}
-
-TextTable ReadList(const fs::path& path, std::size_t columns, const char* form) {
-  TextTable table = ReadTextTable(path);
-  for (const TextRow& row : table.rows) {
-    if (row.fields.size() < columns) {
-      throw InputError(fmt::format("{}: {} columns; '{}' is wanted", table.Where(row), row.fields.size(), form));
-    }
-  }
-  if (table.rows.empty()) {
-    throw InputError(path.string() + ": no images are listed in it");
-  }
-  return table;
-}
-
-std::vector<ListedImage> ReadImageList(const fs::path& path) {
-  const TextTable table = ReadList(path, 2, "timestamp file");
-  std::vector<ListedImage> images;
-  images.reserve(table.rows.size());
-  for (const TextRow& row : table.rows) {
-    images.push_back(ParseImage(table, row, 0, path.parent_path()));
-    if (images.size() > 1) {
-      CheckIncreasing(table, row, images[images.size() - 2].timestamp_s, images.back().timestamp_s);
-    }
-  }
-  return images;
-}
 
 std::vector<double> TimesOf(const std::vector<ListedImage>& images) {
   std::vector<double> times;
@@ -78,44 +28,64 @@ std::vector<double> TimesOf(const std::vector<ListedImage>& images) {
   return times;
 }
 
-// Rows of "timestamp colour timestamp depth", in either order: associate.py writes what it is given first.
-std::vector<DatasetFrame> ReadAssociations(const fs::path& path) {
-  const TextTable table = ReadList(path, 4, "timestamp colour-file timestamp depth-file");
-  const bool depth_first = table.rows.front().fields[1].starts_with("depth");
+std::vector<double> TimesOf(const std::vector<DatasetFrame>& frames) {
+  std::vector<double> times;
+  times.reserve(frames.size());
+  for (const DatasetFrame& frame : frames) {
+    times.push_back(frame.timestamp_s);
+  }
+  return times;
+}
+
+// Times in other units become seconds, and that is said.
+void ToSeconds(const fs::path& list, std::vector<ListedImage>& images) {
+  const TimeUnit unit = GuessTimeUnit(TimesOf(images), false);
+  if (unit == TimeUnit::kSeconds) {
+    return;
+  }
+  if (unit == TimeUnit::kFrames) {
+    log::info("{}: times are frame numbers; {:g} frames a second are assumed", list.string(), kFrameNumberRate_hz);
+  } else {
+    log::info("{}: times are {}; results are in seconds", list.string(), NameOf(unit));
+  }
+  for (ListedImage& image : images) {
+    image.timestamp_s *= SecondsIn(unit);
+  }
+}
+
+std::vector<DatasetFrame> FramesOfPairs(const fs::path& list) {
+  std::vector<ListedImage> color;
+  std::vector<ListedImage> depth;
+  for (ListedPair& pair : ReadAssociations(list)) {
+    color.push_back(std::move(pair.color));
+    depth.push_back(std::move(pair.depth));
+  }
+  ToSeconds(list, color);
   std::vector<DatasetFrame> frames;
-  frames.reserve(table.rows.size());
-  for (const TextRow& row : table.rows) {
-    const ListedImage color = ParseImage(table, row, depth_first ? 2 : 0, path.parent_path());
-    const ListedImage depth = ParseImage(table, row, depth_first ? 0 : 2, path.parent_path());
-    if (!frames.empty()) {
-      CheckIncreasing(table, row, frames.back().timestamp_s, color.timestamp_s);
-    }
-    frames.push_back({color.timestamp_s, depth.timestamp_s, color.path, depth.path, {}});
+  frames.reserve(color.size());
+  for (std::size_t i = 0; i < color.size(); ++i) {
+    frames.push_back({color[i].timestamp_s, depth[i].timestamp_s, color[i].path, depth[i].path, {}});
   }
   return frames;
 }
 
-// The first of the names that is there.
-std::optional<fs::path> FindFile(const fs::path& folder, std::initializer_list<const char*> names) {
-  for (const char* name : names) {
-    if (IsFile(folder / name)) {
-      return folder / name;
-    }
+fs::path NeedList(const fs::path& folder, std::initializer_list<const char*> names) {
+  if (auto list = FindFile(folder, names)) {
+    return *list;
   }
-  return std::nullopt;
+  throw InputError(fmt::format(
+      "{}: no {} in it; a sequence is a folder with rgb.txt and depth.txt (or color.txt, aligned_depth.txt), "
+      "or with associations.txt (TUM RGB-D layout)",
+      folder.string(), *names.begin()));
 }
 
 std::vector<DatasetFrame> AssociateLists(const fs::path& folder, double max_difference_s, std::size_t& listed) {
-  for (const char* name : {"rgb.txt", "depth.txt"}) {
-    if (!IsFile(folder / name)) {
-      throw InputError(
-          fmt::format("{}: no {} in it; a sequence is a folder with rgb.txt and depth.txt, or with "
-                      "associations.txt (TUM RGB-D layout)",
-                      folder.string(), name));
-    }
-  }
-  const std::vector<ListedImage> color = ReadImageList(folder / "rgb.txt");
-  const std::vector<ListedImage> depth = ReadImageList(folder / "depth.txt");
+  const fs::path color_list = NeedList(folder, {"rgb.txt", "color.txt"});
+  const fs::path depth_list = NeedList(folder, {"depth.txt", "aligned_depth.txt"});
+  std::vector<ListedImage> color = ReadImageList(color_list);
+  std::vector<ListedImage> depth = ReadImageList(depth_list);
+  ToSeconds(color_list, color);
+  ToSeconds(depth_list, depth);
   listed = color.size();
   std::vector<DatasetFrame> frames;
   frames.reserve(color.size());
@@ -124,22 +94,31 @@ std::vector<DatasetFrame> AssociateLists(const fs::path& folder, double max_diff
   }
   if (frames.empty()) {
     throw InputError(
-        fmt::format("{}: no depth image within {} s of any colour image; rgb.txt begins at {:.6f}, "
-                    "depth.txt at {:.6f}: are both of one clock?",
-                    folder.string(), max_difference_s, color.front().timestamp_s, depth.front().timestamp_s));
+        fmt::format("{}: no depth image within {} s of any colour image; {} begins at {:.6f}, "
+                    "{} at {:.6f}: are both of one clock?",
+                    folder.string(), max_difference_s, color_list.filename().string(), color.front().timestamp_s,
+                    depth_list.filename().string(), depth.front().timestamp_s));
   }
   return frames;
 }
 
 void AttachMasks(const fs::path& list, double max_difference_s, std::vector<DatasetFrame>& frames) {
-  const std::vector<ListedImage> masks = ReadImageList(list);
-  std::vector<double> times;
-  times.reserve(frames.size());
-  for (const DatasetFrame& frame : frames) {
-    times.push_back(frame.timestamp_s);
-  }
-  for (const auto& [f, m] : AssociateByTime(times, TimesOf(masks), max_difference_s)) {
+  std::vector<ListedImage> masks = ReadImageList(list);
+  ToSeconds(list, masks);
+  for (const auto& [f, m] : AssociateByTime(TimesOf(frames), TimesOf(masks), max_difference_s)) {
     frames[f].mask_path = masks[m].path;
+  }
+}
+
+// Runs what reads a file that the run does not need: what is wrong with it is said, and ends nothing.
+template <typename Function>
+bool IfUsable(const char* without, Function&& read) {
+  try {
+    read();
+    return true;
+  } catch (const InputError& error) {
+    log::warn("{}; going on without {}", error.what(), without);
+    return false;
   }
 }
 
@@ -154,11 +133,12 @@ void Select(const FrameRange& range, const fs::path& folder, std::vector<Dataset
   frames.erase(frames.begin(), frames.begin() + static_cast<std::ptrdiff_t>(range.begin));
 }
 
-void CheckSize(const fs::path& path, int width, int height, const PinholeCamera& camera) {
-  if (width != camera.width || height != camera.height) {
+// Before anything is decoded: a header may claim any size.
+void CheckSize(const ImageFile& image, const PinholeCamera& camera) {
+  if (image.width() != camera.width || image.height() != camera.height) {
     throw InputError(
         fmt::format("{}: {} x {} pixels, the camera has {} x {}; give the camera of this sequence (--camera)",
-                    path.string(), width, height, camera.width, camera.height));
+                    image.path().string(), image.width(), image.height(), camera.width, camera.height));
   }
 }
 
@@ -193,19 +173,25 @@ Dataset Dataset::Open(const fs::path& folder, const DatasetOptions& options) {
   Dataset dataset;
   dataset.folder_ = folder;
   dataset.options_ = options;
-  if (const auto associations = FindFile(folder, {"associations.txt", "associate.txt"})) {
-    dataset.frames_ = ReadAssociations(*associations);
+  if (const auto associations =
+          FindFile(folder, {"associations.txt", "associate.txt", "association.txt", "associated.txt"})) {
+    dataset.frames_ = FramesOfPairs(*associations);
     dataset.listed_color_images_ = dataset.frames_.size();
   } else {
     dataset.frames_ = AssociateLists(folder, options.max_difference_s, dataset.listed_color_images_);
   }
   dataset.color_images_without_depth_ = dataset.listed_color_images_ - dataset.frames_.size();
   if (const auto list = FindFile(folder, {"mask.txt"})) {
-    AttachMasks(*list, options.max_difference_s, dataset.frames_);
-    dataset.has_masks_ = true;
+    const auto attach = [&] { AttachMasks(*list, options.max_difference_s, dataset.frames_); };
+    if (options.needs_masks) {
+      attach();
+      dataset.has_masks_ = true;
+    } else {
+      dataset.has_masks_ = IfUsable("masks", attach);
+    }
   }
   if (const auto truth = FindFile(folder, {"groundtruth.txt"})) {
-    dataset.ground_truth_ = ReadTrajectory(*truth);
+    IfUsable("ground truth", [&] { dataset.ground_truth_ = ReadTrajectory(*truth, TimesOf(dataset.frames_)); });
   }
   dataset.all_frames_ = dataset.frames_.size();
   dataset.first_frame_ = options.frames.begin;
@@ -234,31 +220,24 @@ std::string Dataset::Summary() const {
 
 RgbdFrame Dataset::Load(std::size_t index, const PinholeCamera& camera) const {
   const DatasetFrame& frame = frames_.at(index);
-  Image8 color = ReadColor(frame.color_path);
-  Image16 depth = ReadDepth(frame.depth_path);
-  if (color.width != depth.width || color.height != depth.height) {
-    throw InputError(fmt::format(
-        "{}: {} x {} pixels, its colour image {} has {} x {}; depth registered to colour is "
-        "wanted",
-        frame.depth_path.string(), depth.width, depth.height, frame.color_path.string(), color.width, color.height));
+  ImageFile color(frame.color_path);
+  ImageFile depth(frame.depth_path);
+  if (color.width() != depth.width() || color.height() != depth.height()) {
+    throw InputError(
+        fmt::format("{}: {} x {} pixels, its colour image {} has {} x {}; depth registered to colour is "
+                    "wanted",
+                    frame.depth_path.string(), depth.width(), depth.height(), frame.color_path.string(), color.width(),
+                    color.height()));
   }
-  CheckSize(frame.color_path, color.width, color.height, camera);
-  return {frame.timestamp_s, std::make_shared<const Image8>(std::move(color)),
-          std::make_shared<const Image16>(std::move(depth))};
+  CheckSize(color, camera);
+  return {frame.timestamp_s, std::make_shared<const Image8>(color.DecodeColor()),
+          std::make_shared<const Image16>(depth.DecodeDepth(camera.depth_scale))};
 }
 
-Image8 Dataset::LoadColor(std::size_t index) const { return ReadColor(frames_.at(index).color_path); }
-
-Image16 Dataset::LoadDepth(std::size_t index) const { return ReadDepth(frames_.at(index).depth_path); }
-
-std::optional<Image8> Dataset::LoadMask(std::size_t index, const PinholeCamera& camera) const {
-  const fs::path& path = frames_.at(index).mask_path;
-  if (path.empty()) {
-    return std::nullopt;
-  }
-  Image8 mask = ReadMask(path);
-  CheckSize(path, mask.width, mask.height, camera);
-  return mask;
+Image8 LoadMask(const fs::path& path, const PinholeCamera& camera) {
+  ImageFile mask(path);
+  CheckSize(mask, camera);
+  return mask.DecodeMask();
 }
 
 }  // namespace rds

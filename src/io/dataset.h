@@ -26,6 +26,7 @@ FrameRange ParseFrameRange(const std::string& text);
 struct DatasetOptions {
   double max_difference_s = 0.02;  // between the times of a colour image and its depth image (or its mask)
   FrameRange frames;
+  bool needs_masks = false;  // what is wrong with mask.txt is an error then, else a warning
 };
 
 // One entry of the index: where the images of a frame lie. Times in seconds.
@@ -37,7 +38,9 @@ struct DatasetFrame {
   std::filesystem::path mask_path;  // empty where there is none
 };
 
-// A folder with rgb.txt and depth.txt, or associations.txt (also associate.txt); groundtruth.txt and mask.txt if there.
+// A folder with rgb.txt and depth.txt (also color.txt, aligned_depth.txt), or associations.txt (also associate.txt,
+// association.txt, associated.txt); groundtruth.txt and mask.txt if there. Times may be seconds, milli-, micro- or
+// nanoseconds, or frame numbers (see io/time_unit.h); here they are seconds.
 // Without an association file every colour image gets the depth image that is nearest in time: pairs are taken in order
 // of their difference, up to the limit, each image at most once. Colour images without a partner are left out and
 // counted. The index is read and checked when opened (each listed image must be there); images are read on demand.
@@ -45,7 +48,8 @@ struct DatasetFrame {
 class Dataset {
  public:
   // InputError, naming file and line, for a missing folder or list, an empty list, a malformed row, timestamps that do
-  // not increase, a listed image that is not there, broken ground truth, a range beyond the sequence, no pair at all.
+  // not increase, a listed image that is not there, a range beyond the sequence, no pair at all. Ground truth that
+  // cannot be read is left out with a warning, and so are masks unless they are needed.
   static Dataset Open(const std::filesystem::path& folder, const DatasetOptions& options = {});
 
   [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
@@ -64,10 +68,6 @@ class Dataset {
 
   // Both images of a frame, checked against each other and the camera. InputError names the file and what to do.
   [[nodiscard]] RgbdFrame Load(std::size_t index, const PinholeCamera& camera) const;
-  [[nodiscard]] Image8 LoadColor(std::size_t index) const;  // BGR
-  [[nodiscard]] Image16 LoadDepth(std::size_t index) const;
-  // 255 = dynamic, 0 = not; nullopt where the sequence has none for this frame. InputError if not of `camera`'s size.
-  [[nodiscard]] std::optional<Image8> LoadMask(std::size_t index, const PinholeCamera& camera) const;
 
  private:
   std::filesystem::path folder_;
@@ -80,5 +80,8 @@ class Dataset {
   std::size_t first_frame_ = 0;
   std::size_t all_frames_ = 0;
 };
+
+// A mask of the camera's size: 255 = dynamic, 0 = not. InputError naming the file.
+[[nodiscard]] Image8 LoadMask(const std::filesystem::path& path, const PinholeCamera& camera);
 
 }  // namespace rds

@@ -74,7 +74,7 @@ TEST_F(DatasetTest, OpensAndLoads) {
   EXPECT_EQ(frame.image->channels, 3);
   EXPECT_EQ(frame.image->data[0], 7);
   EXPECT_EQ(frame.depth->data[0], 5000);
-  EXPECT_EQ(dataset.LoadMask(0, SmallCamera()), std::nullopt);
+  EXPECT_TRUE(dataset.frames()[0].mask_path.empty());
   EXPECT_EQ(dataset.Summary(), dataset.Name() + ": 3 frames");
 }
 
@@ -110,11 +110,11 @@ TEST_F(DatasetTest, WorksWithoutGroundTruthAndWithMasks) {
   const Dataset dataset = Open();
   EXPECT_FALSE(dataset.ground_truth());
   EXPECT_TRUE(dataset.HasMasks());
-  EXPECT_EQ(dataset.LoadMask(0, SmallCamera()), std::nullopt);
-  ASSERT_TRUE(dataset.LoadMask(1, SmallCamera()));
-  EXPECT_EQ(dataset.LoadMask(1, SmallCamera())->data[0], 255);
+  EXPECT_TRUE(dataset.frames()[0].mask_path.empty());
+  const auto mask = dataset.frames()[1].mask_path;
+  EXPECT_EQ(LoadMask(mask, SmallCamera()).data[0], 255);
   Write("mask/b.png", Png(CV_8UC1, 10, 10));
-  EXPECT_THAT(InputErrorOf([&] { (void)dataset.LoadMask(1, SmallCamera()); }), HasSubstr("b.png: 10 x 10 pixels"));
+  EXPECT_THAT(InputErrorOf([&] { (void)LoadMask(mask, SmallCamera()); }), HasSubstr("b.png: 10 x 10 pixels"));
 }
 
 TEST_F(DatasetTest, TakesARangeOfFrames) {
@@ -166,15 +166,85 @@ TEST_F(DatasetTest, RefusesBrokenLists) {
   EXPECT_THAT(OpenError(), AllOf(HasSubstr("no depth image within 0.02 s"), HasSubstr("one clock?")));
 }
 
-TEST_F(DatasetTest, RefusesBrokenDepthMasksAndTruth) {
+TEST_F(DatasetTest, WhatIsNotNeededEndsNothing) {
+  DatasetOptions with_masks;
+  with_masks.needs_masks = true;
   Write("mask.txt", "1.03 mask/none.png\n");
-  EXPECT_THAT(OpenError(), HasSubstr("mask.txt:1: image"));
+  EXPECT_EQ(OpenError(), "");
+  EXPECT_FALSE(Open().HasMasks());
+  EXPECT_THAT(OpenError(with_masks), HasSubstr("mask.txt:1: image"));
   std::filesystem::remove(folder_.path() / "mask.txt");
-  Write("groundtruth.txt", "1 0 0 nan 0 0 0 1\n");
-  EXPECT_THAT(OpenError(), HasSubstr("groundtruth.txt:1: tz is 'nan', not a finite number"));
-  std::filesystem::remove(folder_.path() / "groundtruth.txt");
+  Write("groundtruth.txt", "1 0 0 many 0 0 0 1\n");
+  EXPECT_EQ(OpenError(), "");
+  EXPECT_FALSE(Open().ground_truth());
   Write("depth.txt", "1.00 depth/none.png\n");
   EXPECT_THAT(OpenError(), HasSubstr("depth.txt:1: image"));
+}
+
+TEST_F(DatasetTest, KnowsListsByOtherNames) {
+  for (const char* name : {"association.txt", "associated.txt"}) {
+    Write(name, "1.00 rgb/1.00.png 1.06 depth/1.06.png\n");
+    EXPECT_EQ(Open().size(), 1U) << name;
+    std::filesystem::remove(folder_.path() / name);
+  }
+  std::filesystem::rename(folder_.path() / "rgb.txt", folder_.path() / "color.txt");
+  std::filesystem::rename(folder_.path() / "depth.txt", folder_.path() / "aligned_depth.txt");
+  EXPECT_EQ(Open().size(), 3U);
+}
+
+TEST_F(DatasetTest, TellsDepthFromColorByThePictures) {
+  std::filesystem::rename(folder_.path() / "depth", folder_.path() / "aligned");
+  Write("associations.txt", "1.005 ./aligned/1.00.png 1.00 rgb/1.00.png\n");
+  EXPECT_EQ(Open().frames()[0].color_path.parent_path().filename(), "rgb");
+  EXPECT_EQ(Open().frames()[0].timestamp_s, 1.00);
+}
+
+TEST_F(DatasetTest, FindsTheImagesAmongOtherColumns) {
+  Write("associations.txt", "1.00 1 2 3 0 0 0 1 1.005 depth/1.00.png 1.00 rgb/1.00.png\n");
+  EXPECT_EQ(Open().frames()[0].depth_timestamp_s, 1.005);
+  Write("associations.txt", "1.00 \"rgb/1.00.png\" 1.005 ['depth/1.00.png'] 1.00 1 2 3 0 0 0 1\n");
+  EXPECT_EQ(Open().frames()[0].depth_timestamp_s, 1.005);
+  EXPECT_EQ(Open().frames()[0].color_path.filename(), "1.00.png");
+}
+
+TEST_F(DatasetTest, ReadsListsOfEveryEditor) {
+  Write("rgb.txt", "\xEF\xBB\xBF# colour\r1.00 rgb/1.00.png\r1.03 rgb/1.03.png\r1.06 rgb/1.06.png\r");
+  EXPECT_EQ(Open().size(), 3U);
+  Write("rgb.txt", std::string("\xFF\xFE"
+                               "1\0.\0",
+                               6));
+  EXPECT_THAT(OpenError(), HasSubstr("UTF-16"));
+}
+
+TEST_F(DatasetTest, TimesOfOtherUnitsBecomeSeconds) {
+  Write("associations.txt",
+        "1700000000000000000 rgb/1.00.png 1700000000000000000 depth/1.00.png\n"
+        "1700000000033000000 rgb/1.03.png 1700000000033000000 depth/1.03.png\n");
+  EXPECT_NEAR(Open().frames()[1].timestamp_s, 1700000000.033, 1e-6);
+  std::filesystem::remove(folder_.path() / "associations.txt");
+  Write("rgb.txt", "0 rgb/1.00.png\n1 rgb/1.03.png\n2 rgb/1.06.png\n");
+  Write("depth.txt", "0 depth/1.00.png\n1 depth/1.03.png\n2 depth/1.06.png\n");
+  Write("groundtruth.txt", "0 0 0 0 0 0 0 1\n1 0 0 0 0 0 0 1\n2 1 2 3 0 0 0 1\n");
+  EXPECT_NEAR(Open().frames()[2].timestamp_s, 2.0 / 30, 1e-9);
+  EXPECT_NEAR(Open().ground_truth()->back().timestamp_s, 2.0 / 30, 1e-9);
+  Write("groundtruth.txt", "1 0 0 5 0 1 0 6 0 0 1 7\n1 0 0 5 0 1 0 6 0 0 1 7\n1 0 0 5 0 1 0 6 0 0 1 8\n");  // KITTI
+  EXPECT_NEAR(Open().ground_truth()->back().timestamp_s, 2.0 / 30, 1e-9);
+  EXPECT_EQ(Open().ground_truth()->back().world_from_camera.translation.z(), 8);
+}
+
+TEST_F(DatasetTest, SizesAreCheckedBeforeAnythingIsDecoded) {
+  std::vector<unsigned char> bytes;
+  cv::imencode(".jpg", cv::Mat(12, 20, CV_8UC3, cv::Scalar::all(7)), bytes);
+  std::string jpeg(bytes.begin(), bytes.end());
+  const std::size_t frame = jpeg.find("\xFF\xC0");  // marker, length, bits, height, width
+  ASSERT_NE(frame, std::string::npos);
+  jpeg.replace(frame + 5, 4, "\x4E\x20\x4E\x20");
+  Write("rgb/1.00.png", jpeg);
+  Write("depth/1.00.png", "P5 20000 20000 65535\n");
+  EXPECT_THAT(LoadError(0), HasSubstr("depth/1.00.png: the image file is truncated"));
+  Write("depth/1.00.png", Png(CV_16UC1, 20, 12, 5000));
+  EXPECT_THAT(LoadError(0),
+              HasSubstr("its colour image " + (folder_.path() / "rgb/1.00.png").string() + " has 20000 x 20000"));
 }
 
 TEST_F(DatasetTest, RefusesBrokenAssociations) {

@@ -1,10 +1,16 @@
 #include "io/download.h"
 
 #include <curl/curl.h>
+#include <fcntl.h>
 #include <spdlog/fmt/fmt.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <array>
-#include <fstream>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
 #include <memory>
 #include <system_error>
 
@@ -17,7 +23,7 @@ namespace fs = std::filesystem;
 
 // Where curl's bytes go: the end of a file, never beyond the size wanted.
 struct Sink {
-  std::ofstream stream;
+  int file = -1;
   std::int64_t done = 0;
   std::int64_t total = 0;
   const DownloadProgress* progress = nullptr;
@@ -32,11 +38,13 @@ std::size_t Receive(char* data, std::size_t size, std::size_t count, void* user)
     sink.too_long = true;
     return 0;
   }
-  sink.stream.write(data, bytes);
-  sink.stream.flush();
-  if (!sink.stream) {
-    sink.write_failed = true;
-    return 0;
+  for (std::int64_t written = 0; written < bytes;) {
+    const ssize_t step = write(sink.file, data + written, static_cast<std::size_t>(bytes - written));
+    if (step < 0 && errno != EINTR) {
+      sink.write_failed = true;
+      return 0;
+    }
+    written += std::max<ssize_t>(step, 0);
   }
   sink.done += bytes;
   if (*sink.progress) {
@@ -61,6 +69,15 @@ void LimitToHttp(CURL* curl) {
 #endif
 }
 
+// A path of a user may have blanks; a URL has none.
+std::string WithoutBlanks(const std::string& url) {
+  std::string escaped;
+  for (const char c : url) {
+    escaped += c == ' ' ? std::string("%20") : std::string(1, c);
+  }
+  return escaped;
+}
+
 // One request for the bytes from sink.done on.
 Attempt Request(const std::string& url, Sink& sink) {
   static const CURLcode ready = curl_global_init(CURL_GLOBAL_DEFAULT);
@@ -68,7 +85,10 @@ Attempt Request(const std::string& url, Sink& sink) {
   const std::unique_ptr<CURL, decltype(&curl_easy_cleanup)> curl(curl_easy_init(), &curl_easy_cleanup);
   Check(curl != nullptr, "curl has no memory");
   std::array<char, CURL_ERROR_SIZE> message{};
-  curl_easy_setopt(curl.get(), CURLOPT_URL, url.c_str());
+  curl_easy_setopt(curl.get(), CURLOPT_URL, WithoutBlanks(url).c_str());
+  if (const char* const certificates = std::getenv("SSL_CERT_FILE"); certificates != nullptr && *certificates != '\0') {
+    curl_easy_setopt(curl.get(), CURLOPT_CAINFO, certificates);  // NOLINT(concurrency-mt-unsafe)
+  }
   LimitToHttp(curl.get());
   curl_easy_setopt(curl.get(), CURLOPT_FOLLOWLOCATION, 1L);
   curl_easy_setopt(curl.get(), CURLOPT_MAXREDIRS, 5L);
@@ -89,6 +109,22 @@ Attempt Request(const std::string& url, Sink& sink) {
   return attempt;
 }
 
+// Opens the beginning of an earlier try, or a new file. What lies there under that name and is no plain file of our own
+// is not written to: a link may lead anywhere.
+int OpenPart(const fs::path& file) {
+  const int opened = open(file.c_str(), O_WRONLY | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC, 0644);
+  if (opened < 0) {
+    throw InputError(fmt::format("{}: cannot be written: {}", file.string(),
+                                 errno == ELOOP ? "it is a link; remove it" : std::strerror(errno)));
+  }
+  struct stat status {};
+  if (fstat(opened, &status) != 0 || !S_ISREG(status.st_mode) || status.st_uid != geteuid() || status.st_nlink != 1) {
+    close(opened);
+    throw InputError(file.string() + ": cannot be written: there is something that is no file of ours; remove it");
+  }
+  return opened;
+}
+
 // Bytes of the file that can be built on; a file that is too long is no beginning of the right one.
 std::int64_t UsableBytes(const fs::path& file, std::int64_t bytes) {
   std::error_code error;
@@ -97,13 +133,13 @@ std::int64_t UsableBytes(const fs::path& file, std::int64_t bytes) {
 }
 
 Attempt RequestInto(const fs::path& file, const std::string& url, std::int64_t from, Sink& sink) {
-  sink.stream = std::ofstream(file, std::ios::binary | (from > 0 ? std::ios::app : std::ios::trunc));
-  if (!sink.stream) {
-    throw InputError(fmt::format("{}: cannot be written", file.string()));
+  sink.file = OpenPart(file);
+  if (ftruncate(sink.file, from) != 0 || lseek(sink.file, from, SEEK_SET) != from) {
+    sink.write_failed = true;
   }
   sink.done = from;
   Attempt attempt = Request(url, sink);
-  sink.stream.close();
+  sink.write_failed |= close(sink.file) != 0;
   if (sink.done == 0) {
     std::error_code error;
     fs::remove(file, error);  // nothing came; leave nothing
@@ -138,8 +174,11 @@ DownloadResult Download(const std::string& url, const fs::path& file, std::int64
   if (attempt.code == CURLE_OK && sink.done == bytes) {
     return {.complete = true};
   }
-  if (attempt.code == CURLE_OK) {
-    return {.problem = fmt::format("{}: {} bytes, but {} were published", url, sink.done, bytes)};
+  if (attempt.code == CURLE_OK) {  // all that the server has, and not ours: a captive portal's page is no beginning
+    std::error_code error;
+    fs::remove(file, error);
+    return {.problem = fmt::format("{}: {} bytes, but {} were published; is there a login page before the internet?",
+                                   url, sink.done, bytes)};
   }
   const bool refused = attempt.code == CURLE_HTTP_RETURNED_ERROR || attempt.code == CURLE_COULDNT_RESOLVE_HOST ||
                        attempt.code == CURLE_UNSUPPORTED_PROTOCOL || attempt.code == CURLE_URL_MALFORMAT;

@@ -166,8 +166,11 @@ ImageHeader InspectImage(const std::filesystem::path& path, std::string& bytes) 
     header = InspectJpeg(path, view);
   } else if (kPngSignature.starts_with(view) || kJpegSignature.starts_with(view)) {
     throw Truncated(path);
+  } else if (const auto other = InspectOtherImage(path, view)) {
+    header = *other;
   } else {
-    throw InputError(path.string() + ": neither a PNG nor a JPEG image");
+    throw InputError(path.string() +
+                     ": no image that is read here (PNG, JPEG, BMP, binary PPM and PGM, TIFF, WebP; depth also .npy)");
   }
   constexpr int kMostPixels = 20000;  // a side; more is no camera's picture but a damaged header
   if (header.width <= 0 || header.height <= 0 || header.width > kMostPixels || header.height > kMostPixels) {

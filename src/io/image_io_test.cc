@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <cstring>
+#include <limits>
 #include <opencv2/imgcodecs.hpp>
 
 #include "io/image_bytes.h"
@@ -137,8 +139,70 @@ TEST(ImageIo, SaysWhatIsWrongWithTheKind) {
               AllOf(HasSubstr("picture: a colour image of 16 bits"), HasSubstr("swapped?")));
   EXPECT_THAT(ErrorOf(ReadMask, Encode(".png", DepthRamp())),
               HasSubstr("picture: a mask of 16 bits a channel; 8 are wanted"));
-  EXPECT_THAT(ErrorOf(ReadColor, "GIF89a and more"), HasSubstr("picture: neither a PNG nor a JPEG image"));
+  EXPECT_THAT(ErrorOf(ReadColor, "GIF89a and more"),
+              HasSubstr("picture: a GIF image, which is not read; convert it to PNG"));
   EXPECT_THAT(InputErrorOf([] { (void)ReadColor("/none.png"); }), HasSubstr("/none.png: cannot be read: No such file"));
+}
+
+TEST(ImageIo, ReadsTheOtherFormats) {
+  const TemporaryFolder folder;
+  const cv::Mat color = ColorRamp();
+  for (const char* extension : {".bmp", ".ppm", ".tiff", ".webp", ".png"}) {
+    const std::vector<int> lossless =
+        extension == std::string(".webp") ? std::vector<int>{cv::IMWRITE_WEBP_QUALITY, 101} : std::vector<int>{};
+    const Image8 image = ReadColor(folder.Write("picture", Encode(extension, color, lossless)));
+    ASSERT_EQ(image.data.size(), color.total() * 3) << extension;
+    EXPECT_EQ(std::memcmp(image.data.data(), color.data, image.data.size()), 0) << extension;
+  }
+  const cv::Mat depth = DepthRamp();
+  for (const char* extension : {".pgm", ".tiff", ".png"}) {
+    const Image16 image = ReadDepth(folder.Write("picture", Encode(extension, depth)));
+    ASSERT_EQ(image.data.size(), depth.total()) << extension;
+    EXPECT_EQ(std::memcmp(image.data.data(), depth.data, 2 * image.data.size()), 0) << extension;
+  }
+}
+
+TEST(ImageIo, FloatingPointDepthIsMetres) {
+  const TemporaryFolder folder;
+  cv::Mat metres(2, 3, CV_32FC1, cv::Scalar(1.5F));
+  metres.at<float>(0, 1) = std::numeric_limits<float>::quiet_NaN();
+  metres.at<float>(1, 0) = 1000;
+  metres.at<float>(1, 1) = -1;
+  std::string npy("\x93NUMPY\x01\x00\x76\x00", 10);
+  npy += "{'descr': '<f4', 'fortran_order': False, 'shape': (2, 3), }";
+  npy.resize(127, ' ');
+  npy += "\n" + std::string(reinterpret_cast<const char*>(metres.data), 24);
+  for (const std::string& bytes : {npy, Encode(".tiff", metres)}) {
+    EXPECT_THAT(ImageFile(folder.Write("picture", bytes)).DecodeDepth(1000).data,
+                ::testing::ElementsAre(1500, 0, 1500, 0, 0, 1500));
+  }
+  for (std::size_t size = 0; size < npy.size(); size += 7) {
+    EXPECT_NE(ErrorOf(ReadDepth, npy.substr(0, size)), "") << size;
+  }
+  npy.replace(npy.find("f4"), 2, "c8");
+  EXPECT_THAT(ErrorOf(ReadDepth, npy), HasSubstr("float32, float64 (metres) or uint16"));
+}
+
+TEST(ImageIo, SaysWhatToDoWithWhatIsNotRead) {
+  EXPECT_THAT(ErrorOf(ReadDepth, "\x76\x2F\x31\x01 and so on"), HasSubstr("OpenEXR image, which is not read; convert"));
+  EXPECT_THAT(ErrorOf(ReadColor, "version https://git-lfs.github.com/spec/v1\n"), HasSubstr("git lfs pull"));
+  EXPECT_THAT(ErrorOf(ReadColor, "<html>404</html>"), HasSubstr("a web page, not an image"));
+  EXPECT_THAT(ErrorOf(ReadColor, "P3 1 1 255 0 0 0"), HasSubstr("written as text"));
+  EXPECT_THAT(ErrorOf(ReadColor, "MZ and so on"), HasSubstr("no image that is read here"));
+}
+
+// A decoder that fails must not leave a black picture behind.
+TEST(ImageIo, WhatTheDecoderRefusesIsAnError) {
+  std::string interlaced = Encode(".png", ColorRamp());
+  interlaced[28] = 2;                             // no such interlacing
+  interlaced.replace(29, 4, "\x3A\x0B\x7E\xD8");  // its CRC
+  const std::string jpeg = Encode(".jpg", ColorRamp());
+  const std::size_t table = jpeg.find("\xFF\xDB");
+  std::string without_table = jpeg;
+  without_table.erase(table, 2 + static_cast<std::size_t>(static_cast<unsigned char>(jpeg[table + 3])));
+  for (const std::string& bytes : {interlaced, without_table}) {
+    EXPECT_THAT(ErrorOf(ReadColor, bytes), HasSubstr("picture: the image file is damaged"));
+  }
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/strict_yaml.h"
 
 namespace rds {
 namespace {
@@ -20,36 +21,33 @@ class Reader {
 
   void ReadMap(const YAML::Node& map, const std::string& prefix) {
     for (const auto& item : map) {
-      if (!item.first.IsScalar()) {
-        Throw(item.first, "expected the name of an option");
-      }
       const std::string key = prefix + item.first.Scalar();
-      if (item.second.IsMap()) {
+      if (IsGroup(key) && (item.second.IsMap() || item.second.IsNull())) {
         ReadMap(item.second, key + ".");
-      } else if (!(item.second.IsNull() && IsGroup(key))) {
+      } else {
         ReadValue(item.first, item.second, key);
       }
     }
   }
 
-  [[noreturn]] void Throw(const YAML::Node& where, const std::string& what) const { Throw(where.Mark(), what); }
-  [[noreturn]] void Throw(const YAML::Mark& where, const std::string& what) const {
-    throw InputError(fmt::format("{}:{}: {}", file_.string(), where.line + 1, what));
+  [[noreturn]] void Throw(const YAML::Node& where, const std::string& what) const {
+    throw InputError(WhereInYaml(file_, where) + ": " + what);
   }
 
  private:
   void ReadValue(const YAML::Node& name, const YAML::Node& value, const std::string& key) {
-    if (!value.IsScalar()) {
-      Throw(name, fmt::format("option {}: expected one value", key));
-    }
-    if (!seen_.insert(key).second) {
-      Throw(name, fmt::format("option {} is given twice", key));
-    }
     if (IsGroup(key)) {
       Throw(name, fmt::format("'{}' is a group of options, not an option; `rds config` lists all", key));
     }
     try {
-      table_.Find(key).set(value.Scalar());
+      const OptionEntry& option = table_.Find(key);
+      if (!value.IsScalar()) {
+        throw InputError(fmt::format("option {}: expected one value", key));
+      }
+      if (!seen_.insert(key).second) {
+        throw InputError(fmt::format("option {} is given twice", key));
+      }
+      option.set(value.Scalar());
     } catch (const InputError& error) {
       Throw(name, error.what());
     }
@@ -113,20 +111,9 @@ std::string Write(const OptionTable& table, Comment&& comment) {
 }  // namespace
 
 void ApplyOptionsFile(const std::filesystem::path& file, Options& options) {
-  YAML::Node root;
   const OptionTable table = BindOptions(options);
   Reader reader(file, table);
-  const std::string unreadable = fmt::format("{}: cannot be read; expected a YAML file of options", file.string());
-  if (std::filesystem::is_directory(file)) {
-    throw InputError(unreadable);
-  }
-  try {
-    root = YAML::LoadFile(file.string());
-  } catch (const YAML::BadFile&) {
-    throw InputError(unreadable);
-  } catch (const YAML::Exception& error) {
-    reader.Throw(error.mark, error.msg);
-  }
+  const YAML::Node root = ReadStrictYaml(file);
   if (root.IsNull()) {
     return;
   }

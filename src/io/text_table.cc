@@ -1,13 +1,8 @@
 #include "io/text_table.h"
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
-#include <cerrno>
+#include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <cstring>
 #include <string_view>
 
 #include "base/error.h"
@@ -15,62 +10,76 @@
 namespace rds {
 namespace {
 
+// Takes off what Python prints around words: ['a'], b'a', "a".
+std::string Bare(std::string_view field) {
+  if (field.size() >= 4 && field.front() == '[' && field.back() == ']' && (field[1] == '\'' || field[1] == '"')) {
+    field = field.substr(1, field.size() - 2);
+  }
+  if (field.size() >= 3 && field.front() == 'b' && (field[1] == '\'' || field[1] == '"') && field.back() == field[1]) {
+    field.remove_prefix(1);
+  }
+  if (field.size() >= 2 && (field.front() == '\'' || field.front() == '"') && field.back() == field.front()) {
+    field = field.substr(1, field.size() - 2);
+  }
+  return std::string(field);
+}
+
 std::vector<std::string> Split(std::string_view line) {
-  constexpr std::string_view kSeparators = " \t,\r";
+  constexpr std::string_view kSeparators = " \t,";
   std::vector<std::string> fields;
   std::size_t begin = line.find_first_not_of(kSeparators);
   while (begin != std::string_view::npos) {
-    const std::size_t end = std::min(line.find_first_of(kSeparators, begin), line.size());
-    fields.emplace_back(line.substr(begin, end - begin));
+    std::size_t end = std::min(line.find_first_of(kSeparators, begin), line.size());
+    if (line[begin] == '"') {  // up to the closing quote, if there is one
+      const std::size_t quote = line.find('"', begin + 1);
+      end = quote == std::string_view::npos ? end : std::max(end, quote + 1);
+    }
+    fields.push_back(Bare(line.substr(begin, end - begin)));
     begin = line.find_first_not_of(kSeparators, end);
   }
   return fields;
 }
 
+bool BeginsWithNumber(const TextRow& row) { return ParseNumber(row.fields.front()).has_value(); }
+
 }  // namespace
 
-std::string ReadFile(const std::filesystem::path& path) {
-  const auto fail = [&path]() -> InputError {
-    return InputError(path.string() + ": cannot be read: " + std::strerror(errno));
-  };
-  const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (file < 0) {
-    throw fail();
-  }
-  std::string text;
-  struct stat status {};
-  if (fstat(file, &status) == 0 && status.st_size > 0) {
-    text.reserve(static_cast<std::size_t>(status.st_size) + 1);
-  }
-  for (;;) {
-    const std::size_t size = text.size();
-    text.resize(std::max(size + 4096, text.capacity()));
-    const ssize_t count = read(file, text.data() + size, text.size() - size);
-    text.resize(size + static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
-    if (count == 0) {
-      break;
-    }
-    if (count < 0 && errno != EINTR) {
-      const InputError error = fail();
-      close(file);
-      throw error;
-    }
-  }
-  close(file);
-  return text;
+std::optional<double> ParseNumber(const std::string& field) {
+  const char* begin = field.data() + (field.size() > 1 && field.front() == '+' ? 1 : 0);
+  const char* end = field.data() + field.size();
+  double value = 0;
+  const auto [stop, error] = std::from_chars(begin, end, value);
+  return error == std::errc{} && stop == end ? std::optional(value) : std::nullopt;
 }
 
 TextTable ReadTextTable(const std::filesystem::path& path) {
-  TextTable table{path, {}};
+  TextTable table{path, {}, {}};
   const std::string text = ReadFile(path);
   std::string_view rest = text;
+  if (rest.starts_with("\xFF\xFE") || rest.starts_with("\xFE\xFF")) {
+    throw InputError(path.string() + ": written in UTF-16; save it as UTF-8 or plain text");
+  }
+  if (rest.starts_with("\xEF\xBB\xBF")) {
+    rest.remove_prefix(3);
+  }
   for (std::size_t number = 1; !rest.empty(); ++number) {
-    const std::size_t end = std::min(rest.find('\n'), rest.size());
+    const std::size_t end = std::min(rest.find_first_of("\r\n"), rest.size());
     std::vector<std::string> fields = Split(rest.substr(0, end));
-    if (!fields.empty() && fields.front().front() != '#') {
-      table.rows.push_back({number, std::move(fields)});
+    const auto comment = std::ranges::find_if(fields, [](const std::string& field) { return field.starts_with('#'); });
+    if (comment == fields.begin() && comment != fields.end() && table.rows.empty()) {
+      comment->erase(0, 1);
+      table.heading = std::move(fields);
+    } else {
+      fields.erase(comment, fields.end());
+      if (!fields.empty()) {
+        table.rows.push_back({number, std::move(fields)});
+      }
     }
-    rest.remove_prefix(std::min(end + 1, rest.size()));
+    rest.remove_prefix(std::min(end + (rest.substr(end).starts_with("\r\n") ? 2 : 1), rest.size()));
+  }
+  if (table.rows.size() > 1 && !BeginsWithNumber(table.rows[0]) && BeginsWithNumber(table.rows[1])) {
+    table.heading = std::move(table.rows.front().fields);
+    table.rows.erase(table.rows.begin());
   }
   return table;
 }
@@ -79,14 +88,11 @@ std::string TextTable::Where(const TextRow& row) const { return path.string() + 
 
 double TextTable::Number(const TextRow& row, std::size_t column, const char* what) const {
   const std::string& field = row.fields.at(column);
-  const char* begin = field.data() + (field.size() > 1 && field.front() == '+' ? 1 : 0);
-  const char* end = field.data() + field.size();
-  double value = 0;
-  const auto [stop, error] = std::from_chars(begin, end, value);
-  if (error != std::errc{} || stop != end || !std::isfinite(value)) {
+  const std::optional<double> value = ParseNumber(field);
+  if (!value || !std::isfinite(*value)) {
     throw InputError(Where(row) + ": " + what + " is '" + field + "', not a finite number");
   }
-  return value;
+  return *value;
 }
 
 }  // namespace rds

@@ -3,8 +3,11 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
+
+#include "base/file.h"
 
 namespace rds {
 
@@ -14,9 +17,12 @@ struct TextRow {
   std::vector<std::string> fields;
 };
 
-// A file of rows. Fields are separated by blanks, tabs or commas; empty lines and lines that begin with # are left out.
+// A file of rows. Lines end with \n, \r\n or \r. Fields are separated by blanks, tabs or commas; quotes around a field
+// (also as Python prints lists and bytes: ['a'], b'a') are taken off, and blanks inside them belong to it. Empty lines
+// and what follows a field that begins with # are left out.
 struct TextTable {
   std::filesystem::path path;
+  std::vector<std::string> heading;  // words of the first line that is no number, or of the last comment before row 1
   std::vector<TextRow> rows;
 
   // "path:line", for messages.
@@ -25,10 +31,10 @@ struct TextTable {
   [[nodiscard]] double Number(const TextRow& row, std::size_t column, const char* what) const;
 };
 
-// InputError if the file cannot be read.
-TextTable ReadTextTable(const std::filesystem::path& path);
+// The number that a field is, NaN and infinity included; nothing for other words.
+[[nodiscard]] std::optional<double> ParseNumber(const std::string& field);
 
-// All bytes of a file; InputError naming it and the system's reason if it cannot be read.
-std::string ReadFile(const std::filesystem::path& path);
+// InputError if the file cannot be read or is UTF-16. A byte order mark is passed over.
+TextTable ReadTextTable(const std::filesystem::path& path);
 
 }  // namespace rds

@@ -38,16 +38,5 @@ TEST(TextTable, RefusesWhatIsNoFiniteNumber) {
   }
 }
 
-TEST(ReadFile, NamesFileAndReason) {
-  const TemporaryFolder folder;
-  EXPECT_THAT(InputErrorOf([&] { (void)ReadFile(folder.path() / "none"); }),
-              HasSubstr("none: cannot be read: No such"));
-  EXPECT_THAT(InputErrorOf([&] { (void)ReadFile(folder.path()); }), HasSubstr("cannot be read: Is a directory"));
-  EXPECT_EQ(ReadFile(folder.Write("empty", "")), "");
-  const std::string large(100'000, 'x');
-  EXPECT_EQ(ReadFile(folder.Write("large", large)), large);
-  EXPECT_THAT(ReadFile("/proc/self/stat"), HasSubstr("("));  // a file that does not know its size
-}
-
 }  // namespace
 }  // namespace rds

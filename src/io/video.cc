@@ -1,7 +1,6 @@
 #include "io/video.h"
 
 #include <spdlog/fmt/fmt.h>
-#include <unistd.h>
 
 #include <cstring>
 #include <opencv2/core.hpp>
@@ -22,11 +21,6 @@ namespace {
 
 constexpr std::size_t kQueueCapacity = 30;
 
-// A hidden name beside `file` that keeps its extension, by which OpenCV knows the format.
-std::filesystem::path TemporaryName(const std::filesystem::path& file) {
-  return file.parent_path() / fmt::format(".{}.{}{}", file.stem().string(), getpid(), file.extension().string());
-}
-
 void CheckExtension(const std::filesystem::path& file, const std::string& wanted) {
   if (file.extension() != wanted) {
     throw InputError(fmt::format("{}: expected a name that ends in {}", file.string(), wanted));
@@ -41,7 +35,7 @@ cv::Mat ColorView(const Image8& image) {
 class VideoFile {
  public:
   VideoFile(const std::filesystem::path& file, double frames_per_s, cv::Size size)
-      : file_(file), temporary_(TemporaryName(file)) {
+      : file_(file), temporary_(file) {  // made here, so that FFmpeg writes into a file of ours
     const bool opened = writer_.open(temporary_.path().string(), cv::CAP_FFMPEG,
                                      cv::VideoWriter::fourcc('m', 'p', '4', 'v'), frames_per_s, size);
     if (!opened) {

@@ -16,6 +16,7 @@
 #include "base/error.h"
 #include "base/random.h"
 #include "base/sha256.h"
+#include "testing/file_size_limit.h"
 
 namespace rds {
 namespace {
@@ -277,14 +278,42 @@ TEST_F(WeightsFetchTest, NoNetworkNamesUrlAndTheWayByHand) {
 }
 
 TEST_F(WeightsFetchTest, AFullDiskIsNamed) {
-  if (!fs::exists("/dev/full")) {
-    GTEST_SKIP() << "no /dev/full";
-  }
-  fs::create_directories(cache_);
-  fs::create_symlink("/dev/full", part_);
   const LocalServer server({.body = body_});
+  const FileSizeLimit limit(static_cast<rlim_t>(body_.size() / 2));
   EXPECT_THAT(Error(server.Url()), HasSubstr("disk full"));
   EXPECT_FALSE(fs::exists(file_));
+}
+
+TEST_F(WeightsFetchTest, WritesThroughNoLinkAndIntoNothingOfOthers) {
+  fs::create_directories(cache_);
+  const fs::path elsewhere = cache_ / "elsewhere";
+  Write(elsewhere, "untouched");
+  fs::create_symlink(elsewhere, part_);
+  const LocalServer server({.body = body_});
+  EXPECT_THAT(Error(server.Url()), HasSubstr("it is a link; remove it"));
+  fs::remove(part_);
+  fs::create_hard_link(elsewhere, part_);
+  EXPECT_THAT(Error(server.Url()), HasSubstr("no file of ours"));
+  EXPECT_EQ(Read(elsewhere), "untouched");
+}
+
+TEST_F(WeightsFetchTest, ACaptivePortalsPageDoesNotPoisonTheNextTry) {
+  {
+    const LocalServer portal({.body = "<html>Please log in</html>"});
+    EXPECT_THAT(Error(portal.Url()), HasSubstr("a login page"));
+  }
+  EXPECT_FALSE(fs::exists(part_));
+  const LocalServer server({.body = body_});
+  EXPECT_EQ(Error(server.Url()), "no error");
+  EXPECT_TRUE(fs::exists(file_));
+}
+
+TEST_F(WeightsFetchTest, BlanksInFileUrlsAreEscaped) {
+  const fs::path folder = cache_.parent_path() / "a folder";
+  fs::create_directories(folder);
+  Write(folder / file_.filename(), body_);
+  EXPECT_EQ(Error("file://" + folder.string()), "no error");
+  EXPECT_TRUE(fs::exists(file_));
 }
 
 TEST_F(WeightsFetchTest, AFolderThatCannotBeMadeIsNamed) {

@@ -20,9 +20,7 @@ const Keyframe* Map::Find(KeyframeId id) const {
 }
 Keyframe* Map::Find(KeyframeId id) { return const_cast<Keyframe*>(std::as_const(*this).Find(id)); }
 
-const MapPoint* Map::Find(PointId id) const {
-  return id.index() < points_.size() ? points_[id.index()].get() : nullptr;
-}
+const MapPoint* Map::Find(PointId id) const { return points_.Find(id); }
 MapPoint* Map::Find(PointId id) { return const_cast<MapPoint*>(std::as_const(*this).Find(id)); }
 
 const Keyframe& Map::At(KeyframeId id) const {
@@ -38,17 +36,6 @@ const MapPoint& Map::At(PointId id) const {
   return *point;
 }
 MapPoint& Map::At(PointId id) { return const_cast<MapPoint&>(std::as_const(*this).At(id)); }
-
-std::vector<PointId> Map::Points() const {
-  std::vector<PointId> ids;
-  ids.reserve(point_count_);
-  for (const auto& point : points_) {
-    if (point) {
-      ids.push_back(point->id);
-    }
-  }
-  return ids;
-}
 
 Keyframe& Map::AddKeyframe(FrameId frame, double timestamp_s, const Rigid3& camera_from_world,
                            std::shared_ptr<const FrameData> data) {
@@ -66,13 +53,11 @@ Keyframe& Map::AddKeyframe(FrameId frame, double timestamp_s, const Rigid3& came
 
 MapPoint& Map::AddPoint(const Eigen::Vector3d& position, KeyframeId keyframe, std::uint32_t keypoint) {
   auto added = std::make_unique<MapPoint>();
-  added->id = PointId{static_cast<std::uint32_t>(points_.size())};
+  added->id = points_.NextId();
   added->position = position;
   added->reference = keyframe;
   added->created_at = newest();
-  MapPoint& point = *points_.emplace_back(std::move(added));
-  replaced_by_.emplace_back();
-  ++point_count_;
+  MapPoint& point = points_.Add(std::move(added));
   Check(AddSighting(point.id, keyframe, keypoint), "a new point takes a free keypoint");
   UpdateAppearance(point.id);
   return point;
@@ -109,8 +94,7 @@ void Map::ErasePoint(PointId id) {
   for (const Sighting& sighting : At(id).sightings) {
     At(sighting.keyframe).points[sighting.keypoint] = PointId{};
   }
-  points_[id.index()].reset();
-  --point_count_;
+  points_.Erase(id);
 }
 
 void Map::Fuse(PointId from_id, PointId to_id) {
@@ -124,26 +108,28 @@ void Map::Fuse(PointId from_id, PointId to_id) {
   for (const Sighting& sighting : sightings) {
     AddSighting(to_id, sighting.keyframe, sighting.keypoint);
   }
-  replaced_by_[from_id.index()] = to_id;
-  recently_fused_.push_back(from_id);
-  if (recently_fused_.size() > kRecent) {
-    recently_fused_.pop_front();
+  replaced_by_[from_id] = to_id;
+  fused_.push_back(from_id);
+  if (fused_.size() > kRemembered) {
+    replaced_by_.erase(fused_.front());
+    fused_.pop_front();
   }
   UpdateAppearance(to_id);
 }
 
 PointId Map::Resolve(PointId id) const {
-  while (id.index() < points_.size() && !points_[id.index()]) {
-    id = replaced_by_[id.index()];
+  while (id.valid() && points_.Find(id) == nullptr) {
+    const auto next = replaced_by_.find(id);
+    id = next != replaced_by_.end() ? next->second : PointId{};
   }
-  return id.index() < points_.size() ? id : PointId{};
+  return id;
 }
 
 std::vector<std::pair<PointId, PointId>> Map::RecentReplacements() const {
   std::vector<std::pair<PointId, PointId>> replacements;
-  for (const PointId from : recently_fused_) {
-    if (const PointId now = Resolve(from); now.valid()) {
-      replacements.emplace_back(from, now);
+  for (std::size_t i = fused_.size() - std::min(fused_.size(), kRecent); i < fused_.size(); ++i) {
+    if (const PointId now = Resolve(fused_[i]); now.valid()) {
+      replacements.emplace_back(fused_[i], now);
     }
   }
   std::ranges::sort(replacements);

@@ -5,9 +5,11 @@
 #include <deque>
 #include <memory>
 #include <optional>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
+#include "map/id_table.h"
 #include "map/keyframe.h"
 #include "map/map_point.h"
 
@@ -17,7 +19,9 @@ namespace rds {
 // Guarded<Map>. Every loop over it runs in order of ids, so that the same input gives the same map.
 class Map {
  public:
-  explicit Map(const ScalePyramid& pyramid) : pyramid_(pyramid) {}
+  // `point_pages`: see IdTable; smaller in tests.
+  explicit Map(const ScalePyramid& pyramid, std::size_t point_pages = kIdPages)
+      : pyramid_(pyramid), points_(point_pages) {}
 
   [[nodiscard]] const ScalePyramid& pyramid() const { return pyramid_; }
 
@@ -34,8 +38,8 @@ class Map {
 
   // The living ones, ascending.
   [[nodiscard]] const std::vector<KeyframeId>& keyframes() const { return keyframe_ids_; }
-  [[nodiscard]] std::vector<PointId> Points() const;
-  [[nodiscard]] std::size_t point_count() const { return point_count_; }
+  [[nodiscard]] std::vector<PointId> Points() const { return points_.Ids(); }
+  [[nodiscard]] std::size_t point_count() const { return points_.size(); }
   [[nodiscard]] KeyframeId newest() const { return keyframe_ids_.empty() ? KeyframeId{} : keyframe_ids_.back(); }
 
   // Adds a keyframe without points and edges; id given here.
@@ -53,6 +57,7 @@ class Map {
   // tells.
   void Fuse(PointId from, PointId to);
   // The living point that took the place of an id, following fusions: the id itself if it lives, invalid if it is gone.
+  // Fusions are remembered for the newest kRemembered; who asks holds an id for a few keyframes at most.
   [[nodiscard]] PointId Resolve(PointId id) const;
   // The latest fusions (at most kRecent) as (from, what it is now), ascending by `from`.
   [[nodiscard]] std::vector<std::pair<PointId, PointId>> RecentReplacements() const;
@@ -78,6 +83,10 @@ class Map {
 
   static constexpr int kMinShared = 15;
   static constexpr std::size_t kRecent = 2000;
+  static constexpr std::size_t kRemembered = 50'000;
+
+  // Pages of point ids that have died since the last call; see IdTable.
+  [[nodiscard]] std::vector<std::uint32_t> TakeFreedPointPages() { return points_.TakeFreedPages(); }
 
  private:
   struct Erased {  // what remains of an erased keyframe
@@ -93,10 +102,9 @@ class Map {
   std::vector<std::unique_ptr<Keyframe>> keyframes_;  // by id; null = erased
   std::vector<std::optional<Erased>> erased_;         // by id
   std::vector<KeyframeId> keyframe_ids_;
-  std::vector<std::unique_ptr<MapPoint>> points_;  // by id; null = erased
-  std::vector<PointId> replaced_by_;               // by id; invalid = not fused
-  std::deque<PointId> recently_fused_;             // the newest kRecent
-  std::size_t point_count_ = 0;
+  IdTable<PointId, MapPoint> points_;
+  std::unordered_map<PointId, PointId> replaced_by_;  // of those in fused_
+  std::deque<PointId> fused_;                         // the newest kRemembered
 };
 
 }  // namespace rds

@@ -8,14 +8,23 @@
 
 #include <chrono>
 #include <exception>
+#include <string>
+#include <system_error>
 #include <utility>
+
+#include "base/error.h"
 
 namespace rds {
 
 Worker::Worker(std::function<void()> function) {
   std::packaged_task<void()> task(std::move(function));
   done_ = task.get_future();
-  thread_ = std::thread(std::move(task));
+  try {
+    thread_ = std::thread(std::move(task));
+  } catch (const std::system_error& error) {
+    throw InputError(std::string("no thread can be started (") + error.what() +
+                     "); allow more processes (ulimit -u) or memory");
+  }
 }
 
 Worker::~Worker() {

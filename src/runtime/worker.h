@@ -12,6 +12,7 @@ namespace rds {
 // before it joins.
 class Worker {
  public:
+  // Throws InputError if the system gives no thread.
   explicit Worker(std::function<void()> function);
   ~Worker();
   Worker(const Worker&) = delete;

@@ -98,6 +98,9 @@ std::vector<float> ClassProbability(std::span<const float> logits, int cells, in
     for (const int label : labels) {
       wanted += weights[static_cast<std::size_t>(label)];
     }
+    if (!std::isfinite(largest) || !std::isfinite(sum)) {
+      throw InputError("the network's output is not finite; is the model damaged, or its input scaled wrongly?");
+    }
     probability[i] = wanted / sum;
   }
   return probability;
@@ -144,6 +147,10 @@ Image8 MaskFromLabels(std::span<const int> cells, const ScoreGrid& grid, int wid
     std::uint8_t* const out = mask.Row(y);
     for (int x = 0; x < width; ++x) {
       const int label = cells[first + nearest(columns[static_cast<std::size_t>(x)])];
+      if (label < 0) {
+        throw InputError(
+            "the network's output holds a negative label; is the model damaged, or its input scaled wrongly?");
+      }
       out[x] = std::find(labels.begin(), labels.end(), label) != labels.end() ? 255 : 0;
     }
   }

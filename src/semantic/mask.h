@@ -32,7 +32,7 @@ struct ScoreGrid {
 enum class ChannelOrder { kFirst, kLast };
 
 // Softmax over `classes` at each of `cells` cells, summed over `labels` (each below `classes`): the probability of a
-// prior dynamic class, row-major like the logits.
+// prior dynamic class, row-major like the logits. InputError if that is not finite.
 [[nodiscard]] std::vector<float> ClassProbability(std::span<const float> logits, int cells, int classes,
                                                   ChannelOrder order, std::span<const int> labels);
 
@@ -42,7 +42,8 @@ enum class ChannelOrder { kFirst, kLast };
 [[nodiscard]] Image8 MaskFromProbability(std::span<const float> probability, const ScoreGrid& grid, int width,
                                          int height, float threshold, float unsure);
 
-// A mask of width x height pixels: dynamic where the nearest cell's label is one of `labels`.
+// A mask of width x height pixels: dynamic where the nearest cell's label is one of `labels`. InputError for
+// negative labels.
 [[nodiscard]] Image8 MaskFromLabels(std::span<const int> cells, const ScoreGrid& grid, int width, int height,
                                     std::span<const int> labels);
 

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "base/error.h"
-
 namespace rds {
 
 double UpdateProbability(double prior, bool observed_dynamic, const MovingProbabilityOptions& options) {
@@ -18,27 +16,51 @@ double FuseProbabilities(double a, double b, const MovingProbabilityOptions& opt
   return std::clamp(dynamic / (dynamic + (1.0 - a) * (1.0 - b)), options.floor, 1.0 - options.floor);
 }
 
-MovingProbabilities::Block::Block() {
-  for (auto& value : values) {
+MovingProbabilities::~MovingProbabilities() = default;
+
+MovingProbabilities::Page& MovingProbabilities::PageFor(std::uint32_t number) {
+  std::atomic<Page*>& place = pages_[number & mask_];
+  Page* page = place.load(std::memory_order_relaxed);
+  if (page != nullptr && page->number.load(std::memory_order_relaxed) == number) {
+    return *page;
+  }
+  if (page == nullptr) {  // else the place is taken over: the map gives a place only once all of its points are dead
+    if (unused_.empty()) {
+      unused_.push_back(made_.emplace_back(std::make_unique<Page>()).get());
+    }
+    page = unused_.back();
+    unused_.pop_back();
+  }
+  for (auto& value : page->values) {
     value.store(static_cast<float>(kUnknownProbability), std::memory_order_relaxed);
   }
-}
-
-MovingProbabilities::~MovingProbabilities() {
-  for (auto& block : blocks_) {
-    delete block.load(std::memory_order_relaxed);
-  }
+  page->number.store(number, std::memory_order_relaxed);
+  place.store(page, std::memory_order_release);
+  return *page;
 }
 
 void MovingProbabilities::Set(PointId id, double probability) {
-  const std::size_t index = id.index() / kBlock;
-  Check(index < blocks_.size(), "point ids stay below 2^28");
-  Block* block = blocks_[index].load(std::memory_order_relaxed);
-  if (block == nullptr) {
-    block = new Block();
-    blocks_[index].store(block, std::memory_order_release);
+  PageFor(NumberOf(id))
+      .values[id.index() % kIdsPerPage]
+      .store(static_cast<float>(probability), std::memory_order_relaxed);
+}
+
+void MovingProbabilities::Release(std::span<const std::uint32_t> page_numbers) {
+  for (Dying& dying : dying_) {
+    --dying.calls_left;
   }
-  block->values[id.index() % kBlock].store(static_cast<float>(probability), std::memory_order_relaxed);
+  while (!dying_.empty() && dying_.front().calls_left <= 0) {
+    std::atomic<Page*>& place = pages_[dying_.front().number & mask_];
+    Page* const page = place.load(std::memory_order_relaxed);
+    if (page != nullptr && page->number.load(std::memory_order_relaxed) == dying_.front().number) {
+      place.store(nullptr, std::memory_order_release);
+      unused_.push_back(page);
+    }
+    dying_.pop_front();
+  }
+  for (const std::uint32_t number : page_numbers) {
+    dying_.push_back({number});
+  }
 }
 
 void MovingProbabilities::Observe(PointId id, bool dynamic, const MovingProbabilityOptions& options) {

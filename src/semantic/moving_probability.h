@@ -3,10 +3,16 @@
 
 #include <array>
 #include <atomic>
+#include <bit>
 #include <cstddef>
+#include <cstdint>
+#include <deque>
 #include <memory>
+#include <span>
+#include <vector>
 
 #include "base/ids.h"
+#include "map/id_table.h"
 
 namespace rds {
 
@@ -36,33 +42,53 @@ enum class PointState : std::uint8_t { kStatic, kUnknown, kDynamic };
 // Probability of a point into which another was fused: both are independent evidence on the same prior of .5.
 [[nodiscard]] double FuseProbabilities(double a, double b, const MovingProbabilityOptions& options);
 
-// Table of probabilities by point id. Get is wait-free, from any thread, so a label helps tracking the moment it
-// arrives. Set and Observe are for writers that hold the door of the map. Grows in blocks, up to 2^28 points.
+// Table of probabilities by point id, in the pages of the map's ids (IdTable). Get is wait-free, from any thread, so a
+// label helps tracking the moment it arrives. The rest is for writers that hold the door of the map.
 class MovingProbabilities {
  public:
-  MovingProbabilities() = default;
+  // `pages`: as those of the map's points.
+  explicit MovingProbabilities(std::size_t pages = kIdPages) : pages_(std::bit_ceil(pages)), mask_(pages_.size() - 1) {}
   ~MovingProbabilities();
   MovingProbabilities(const MovingProbabilities&) = delete;
   MovingProbabilities& operator=(const MovingProbabilities&) = delete;
 
-  // .5 for points never set.
+  // .5 for points never set, and for those whose page was released.
   [[nodiscard]] double Get(PointId id) const {
-    const std::size_t index = id.index() / kBlock;
-    const Block* block = index < blocks_.size() ? blocks_[index].load(std::memory_order_acquire) : nullptr;
-    return block == nullptr ? kUnknownProbability
-                            : static_cast<double>(block->values[id.index() % kBlock].load(std::memory_order_relaxed));
+    const Page* const page = pages_[NumberOf(id) & mask_].load(std::memory_order_acquire);
+    return page == nullptr || page->number.load(std::memory_order_relaxed) != NumberOf(id)
+               ? kUnknownProbability
+               : static_cast<double>(page->values[id.index() % kIdsPerPage].load(std::memory_order_relaxed));
   }
   void Set(PointId id, double probability);
   // UpdateProbability in place.
   void Observe(PointId id, bool dynamic, const MovingProbabilityOptions& options);
+  // Gives back pages whose points are all dead (Map::TakeFreedPointPages), in a while: for kPatience more calls whoever
+  // holds an old snapshot still finds the values.
+  void Release(std::span<const std::uint32_t> page_numbers);
+  // Memory in pages, used or kept for use.
+  [[nodiscard]] std::size_t pages_made() const { return made_.size(); }
+
+  static constexpr int kPatience = 16;
 
  private:
-  static constexpr std::size_t kBlock = 1U << 14U;
-  struct Block {
-    Block();
-    std::array<std::atomic<float>, kBlock> values;
+  // Never destroyed before the table, for a reader may be looking: what is released serves again.
+  struct Page {
+    std::atomic<std::uint32_t> number;
+    std::array<std::atomic<float>, kIdsPerPage> values;
   };
-  std::array<std::atomic<Block*>, kBlock> blocks_{};
+  struct Dying {
+    std::uint32_t number = 0;
+    int calls_left = kPatience;
+  };
+
+  static std::uint32_t NumberOf(PointId id) { return static_cast<std::uint32_t>(id.index() / kIdsPerPage); }
+  [[nodiscard]] Page& PageFor(std::uint32_t number);
+
+  std::vector<std::atomic<Page*>> pages_;  // page n at n & mask_
+  std::size_t mask_;
+  std::vector<std::unique_ptr<Page>> made_;
+  std::vector<Page*> unused_;
+  std::deque<Dying> dying_;
 };
 
 }  // namespace rds

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
+#include <vector>
+
 namespace rds {
 namespace {
 
@@ -51,6 +54,29 @@ TEST(MovingProbabilities, UnsetPointsAreUnknownAndBlocksGrow) {
   EXPECT_EQ(table.Get(PointId{123457}), kUnknownProbability);
   table.Observe(PointId{7}, true, {});
   EXPECT_NEAR(table.Get(PointId{7}), 0.9, 1e-6);
+}
+
+TEST(MovingProbabilities, ReleasedPagesAreForgottenInAWhileAndServeAgain) {
+  MovingProbabilities table(4);
+  table.Set(PointId{3}, 0.25);
+  const std::vector<std::uint32_t> first = {0};
+  table.Release(first);
+  for (int i = 1; i < MovingProbabilities::kPatience; ++i) {
+    table.Release({});
+    ASSERT_EQ(table.Get(PointId{3}), 0.25) << "old snapshots still ask";
+  }
+  table.Release({});
+  EXPECT_EQ(table.Get(PointId{3}), kUnknownProbability);
+  // A day in which each page lives for a while: memory stays.
+  for (std::uint32_t page = 4; page < 40'000; ++page) {
+    const PointId point{static_cast<std::uint32_t>(page * kIdsPerPage + 5)};
+    ASSERT_EQ(table.Get(point), kUnknownProbability);
+    table.Set(point, 0.75);
+    ASSERT_EQ(table.Get(point), 0.75);
+    const std::vector<std::uint32_t> dead = {page};
+    table.Release(dead);
+  }
+  EXPECT_LE(table.pages_made(), 4U);
 }
 
 }  // namespace

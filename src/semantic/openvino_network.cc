@@ -28,9 +28,10 @@ namespace op = ov::opset8;
 
 // OpenVINO's errors carry its own source lines; the last line is the one that says something.
 std::string LastLine(const std::string& text) {
-  const std::size_t end = text.find_last_not_of(" \n");
-  const std::size_t begin = text.rfind('\n', end);
-  return text.substr(begin == std::string::npos ? 0 : begin + 1, end - (begin == std::string::npos ? 0 : begin));
+  const std::size_t end = text.find_last_not_of(" \n") + 1;
+  const std::size_t line = end == 0 ? std::string::npos : text.rfind('\n', end - 1);
+  const std::size_t begin = line == std::string::npos ? 0 : line + 1;
+  return text.substr(begin, end - begin);
 }
 
 // Makes the tensor called `name` the network's only output, so that what comes after it is not computed.
@@ -101,9 +102,21 @@ void DropRounding(const std::shared_ptr<ov::Model>& network) {
 void Reshape(const std::shared_ptr<ov::Model>& network, const SegmentationModel& model) {
   const bool channels_last = model.input_order == ChannelOrder::kLast;
   const std::shared_ptr<op::Parameter> input = network->get_parameters().at(0);
-  const ov::Shape old = input->get_shape();
-  ov::Shape shape = old;
   const std::size_t row_axis = channels_last ? 1 : 2;
+  ov::PartialShape open = input->get_partial_shape();
+  if (open[0].is_dynamic()) {
+    open[0] = 1;
+  }
+  if (open[row_axis].is_dynamic() || open[row_axis + 1].is_dynamic()) {  // made for any size: nothing to free
+    open[row_axis] = model.input_height;
+    open[row_axis + 1] = model.input_width;
+    input->set_partial_shape(open);
+    network->validate_nodes_and_infer_types();
+    return;
+  }
+  input->set_partial_shape(open);
+  const ov::Shape old = open.to_shape();
+  ov::Shape shape = old;
   shape[row_axis] = static_cast<std::size_t>(model.input_height);
   shape[row_axis + 1] = static_cast<std::size_t>(model.input_width);
   if (shape == old) {
@@ -171,8 +184,10 @@ std::shared_ptr<ov::Model> ReadNetwork(const SegmentationModel& model) {
     if (model.input_height > 0) {
       Reshape(network, model);
     }
-    if (network->input().get_partial_shape().is_dynamic()) {
-      throw InputError("the network leaves its input size open; give it under input.size");
+    const ov::PartialShape shape = network->input().get_partial_shape();
+    if (shape.is_dynamic()) {
+      throw InputError(fmt::format("the network leaves its input size open ({}); give it under input.size of {}.yaml",
+                                   shape.to_string(), model.weights));
     }
   } catch (const std::exception& error) {
     throw InputError(fmt::format("weights {}: {}", model.weights, LastLine(error.what())));

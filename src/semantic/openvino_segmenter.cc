@@ -232,6 +232,8 @@ bool HasOpenVino() { return true; }
 
 void CheckOpenVino() {}
 
+std::string OpenVinoVersion() { return ov::get_openvino_version().buildNumber; }
+
 void CheckNetworkFile(const std::string& weights) { std::ignore = ReadNetworkFile(weights); }
 
 std::unique_ptr<Segmenter> MakeOpenVinoSegmenter(const SegmentationModel& model, const OpenVinoOptions& options) {
@@ -254,6 +256,8 @@ void CheckOpenVino() {
 }
 
 void CheckNetworkFile(const std::string&) { CheckOpenVino(); }
+
+std::string OpenVinoVersion() { return ""; }
 
 std::unique_ptr<Segmenter> MakeOpenVinoSegmenter(const SegmentationModel&, const OpenVinoOptions&) {
   CheckOpenVino();

@@ -35,4 +35,7 @@ void CheckNetworkFile(const std::string& weights);
 [[nodiscard]] std::unique_ptr<Segmenter> MakeOpenVinoSegmenter(const SegmentationModel& model,
                                                                const OpenVinoOptions& options);
 
+// Version of the runtime; "" in a build without it.
+[[nodiscard]] std::string OpenVinoVersion();
+
 }  // namespace rds

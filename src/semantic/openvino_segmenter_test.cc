@@ -216,17 +216,18 @@ TEST_F(OpenVinoSegmenterTest, DamagedFilesAreCalledThat) {
     fs::remove(path + ".yaml");
     SegmenterOptions options;
     options.model = path;
-    EXPECT_THAT(ErrorOf([&] { std::ignore = MakeSegmenter("openvino", options, {}); }),
+    EXPECT_THAT(ErrorOf([&] { std::ignore = MakeSegmenter("openvino", options, {}, {}); }),
                 testing::AllOf(HasSubstr(path), HasSubstr("damaged, cut short, or not a model")));
     Write(name + ".yaml", "output: {labels: [0]}");
-    EXPECT_THAT(ErrorOf([&] { std::ignore = MakeSegmenter("openvino", options, {}); }),
+    EXPECT_THAT(ErrorOf([&] { std::ignore = MakeSegmenter("openvino", options, {}, {}); }),
                 testing::AllOf(HasSubstr(path), HasSubstr("damaged, cut short, or not a model")));
   }
   SegmenterOptions options;
   options.model = Write("own.pt", "x");
-  EXPECT_THAT(ErrorOf([&] { std::ignore = MakeSegmenter("openvino", options, {}); }), HasSubstr(".onnx, .tflite"));
+  EXPECT_THAT(ErrorOf([&] { std::ignore = MakeSegmenter("openvino", options, {}, {}); }), HasSubstr(".onnx, .tflite"));
   options.model = (folder_ / "channels.xml").string();  // whole, but nobody says what it wants
-  EXPECT_THAT(ErrorOf([&] { std::ignore = MakeSegmenter("openvino", options, {}); }), HasSubstr("channels.xml.yaml"));
+  EXPECT_THAT(ErrorOf([&] { std::ignore = MakeSegmenter("openvino", options, {}, {}); }),
+              HasSubstr("channels.xml.yaml"));
 }
 
 // ---- with the weights and pictures of ../shared (or $RDS_SHARED), where they are ----
@@ -342,7 +343,7 @@ TEST_F(OpenVinoWeightsTest, AFileOfAnotherNameCutShortIsRefused) {
       fs::permissions(options.model, fs::perms::owner_all);
       const auto bytes = static_cast<double>(fs::file_size(options.model));
       fs::resize_file(options.model, static_cast<std::uintmax_t>(part * bytes));
-      EXPECT_THAT(ErrorOf([&] { std::ignore = MakeSegmenter("openvino", options, {}); }),
+      EXPECT_THAT(ErrorOf([&] { std::ignore = MakeSegmenter("openvino", options, {}, {}); }),
                   testing::AllOf(HasSubstr(options.model), HasSubstr("damaged, cut short, or not a model")))
           << part;
     }

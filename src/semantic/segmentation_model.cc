@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "base/error.h"
+#include "base/strict_yaml.h"
 
 namespace rds {
 namespace {
@@ -135,12 +136,7 @@ void ReadOutput(const Section& output, SegmentationModel& model) {
 }
 
 void ReadYaml(const std::string& file, SegmentationModel& model) {
-  YAML::Node root;
-  try {
-    root = YAML::LoadFile(file);
-  } catch (const YAML::Exception& error) {
-    throw InputError(fmt::format("{}: not readable as YAML: {}", file, error.what()));
-  }
+  const YAML::Node root = ReadStrictYaml(file);
   const Section top(file, "", root, {"input", "output", "ignore_rounding"});
   ReadInput(Section(file, "input", top.Child("input"), {"layout", "size", "color", "mean", "scale"}), model);
   ReadOutput(Section(file, "output", top.Child("output"),

@@ -124,7 +124,7 @@ TEST_F(SegmentationModelTest, BadDescriptionsNameFileAndKey) {
       {"input: {scale: [1, 0, 1]}", "input.scale"},
       {"input: {layout: CHWN}", "input.layout"},
       {"input: [1]", "input"},
-      {"? {a: b}\n: 3", "unknown key ''"},
+      {"? {a: b}\n: 3", "the name before ':' must be a word"},
       {"ignore_rounding: perhaps", "ignore_rounding"},
       {"input: {", "YAML"},
   };

@@ -67,12 +67,12 @@ std::string ResolveWeights(const std::string& model) {
 }
 
 std::unique_ptr<Segmenter> MakeSegmenter(const std::string& name, const SegmenterOptions& options,
-                                         std::vector<StoredMask> masks) {
+                                         std::vector<StoredMask> masks, MaskReader mask_reader) {
   if (name == "none") {
     return nullptr;
   }
   if (name == "stored") {
-    return std::make_unique<StoredSegmenter>(std::move(masks), options.stored_delay_ms);
+    return std::make_unique<StoredSegmenter>(std::move(masks), std::move(mask_reader), options.stored_delay_ms);
   }
   if (name == "openvino") {
     CheckOpenVino();  // before the weights: without the runtime they are of no use

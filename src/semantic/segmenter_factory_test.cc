@@ -72,17 +72,17 @@ TEST_F(SegmenterFactoryTest, WeightsAreLookedForInOrder) {
 }
 
 TEST_F(SegmenterFactoryTest, MakesBackEndsByName) {
-  EXPECT_EQ(MakeSegmenter("none", {}, {}), nullptr);
+  EXPECT_EQ(MakeSegmenter("none", {}, {}, {}), nullptr);
   const std::string mask = Make("mask.png");
-  const auto stored = MakeSegmenter("stored", {.model = "", .openvino = {}, .stored_delay_ms = 30}, {{1, mask}});
+  const auto stored = MakeSegmenter("stored", {.model = "", .openvino = {}, .stored_delay_ms = 30}, {{1, mask}}, {});
   ASSERT_NE(stored, nullptr);
   EXPECT_EQ(stored->Name(), "stored, 30 ms");
-  EXPECT_THAT(ErrorOf([] { std::ignore = MakeSegmenter("stored", {}, {}); }), HasSubstr("mask.txt"));
-  EXPECT_THAT(ErrorOf([] { std::ignore = MakeSegmenter("opnvino", {}, {}); }), HasSubstr("'openvino'"));
+  EXPECT_THAT(ErrorOf([] { std::ignore = MakeSegmenter("stored", {}, {}, {}); }), HasSubstr("mask.txt"));
+  EXPECT_THAT(ErrorOf([] { std::ignore = MakeSegmenter("opnvino", {}, {}, {}); }), HasSubstr("'openvino'"));
 }
 
 TEST_F(SegmenterFactoryTest, MissingRuntimeOrWeightsIsNeverSilent) {
-  const std::string error = ErrorOf([] { std::ignore = MakeSegmenter("openvino", {}, {}); });
+  const std::string error = ErrorOf([] { std::ignore = MakeSegmenter("openvino", {}, {}, {}); });
   EXPECT_THAT(error, HasSubstr(HasOpenVino() ? "rds fetch weights" : "scripts/install_openvino.sh"));
   EXPECT_THAT(error, HasSubstr("--segmenter none"));
 }

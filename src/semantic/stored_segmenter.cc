@@ -4,13 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <exception>
 #include <filesystem>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 #include <utility>
 
 #include "base/error.h"
+#include "base/log.h"
 
 namespace rds {
 namespace {
@@ -33,49 +31,36 @@ void Validate(const std::vector<StoredMask>& masks, double delay_ms) {
   }
 }
 
-Image8 Load(const std::string& path) {
-  cv::Mat image = cv::imread(path, cv::IMREAD_UNCHANGED);
-  if (image.empty() || image.depth() != CV_8U) {
-    throw InputError(fmt::format("mask {}: not a readable 8-bit image", path));
-  }
-  if (image.channels() > 1) {
-    cv::Mat first;
-    cv::extractChannel(image, first, 0);
-    image = first;
-  }
-  Image8 mask(image.cols, image.rows);
-  for (int y = 0; y < image.rows; ++y) {
-    const std::uint8_t* const row = image.ptr<std::uint8_t>(y);
-    std::transform(row, row + image.cols, mask.Row(y),
-                   [](std::uint8_t value) { return static_cast<std::uint8_t>(value != 0 ? 255 : 0); });
-  }
-  return mask;
-}
-
 }  // namespace
 
-StoredSegmenter::StoredSegmenter(std::vector<StoredMask> masks, double delay_ms)
-    : masks_((Validate(masks, delay_ms), std::move(masks))), delay_(delay_ms) {}
+StoredSegmenter::StoredSegmenter(std::vector<StoredMask> masks, MaskReader reader, double delay_ms)
+    : masks_((Validate(masks, delay_ms), std::move(masks))), reader_(std::move(reader)), delay_(delay_ms) {}
 
 std::vector<Image8> StoredSegmenter::Segment(std::span<const SegmentationInput> inputs) {
   const auto due =
       std::chrono::steady_clock::now() + std::chrono::duration_cast<std::chrono::steady_clock::duration>(delay_);
   std::vector<Image8> answer(inputs.size());
-  std::exception_ptr failure;
-  try {
-    for (std::size_t i = 0; i < inputs.size(); ++i) {
+  std::vector<std::string> problems;
+  for (std::size_t i = 0; i < inputs.size(); ++i) {
+    try {
       if (const StoredMask* const mask = Find(inputs[i].timestamp_s)) {
-        answer[i] = Load(mask->path);
+        answer[i] = reader_(mask->path);
+      } else {
+        throw InputError(
+            fmt::format("mask.txt has no mask within {} s of {:.6f} s", kMaxTimeDifference_s, inputs[i].timestamp_s));
       }
+    } catch (const InputError& error) {
+      problems.emplace_back(error.what());
     }
-  } catch (const InputError&) {
-    failure = std::current_exception();
   }
   if (!WaitUntil(due)) {
     return std::vector<Image8>(inputs.size());
   }
-  if (failure) {
-    std::rethrow_exception(failure);
+  if (!problems.empty() && problems.size() == inputs.size()) {
+    throw InputError(fmt::format("{}", fmt::join(problems, "; ")));
+  }
+  for (const std::string& problem : problems) {
+    log::warn("{}", problem);
   }
   return answer;
 }

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <condition_variable>
+#include <functional>
 #include <mutex>
 #include <string>
 #include <vector>
@@ -14,8 +15,12 @@ namespace rds {
 // One mask of a sequence.
 struct StoredMask {
   double timestamp_s = 0;  // of the frame that it belongs to
-  std::string path;        // 8-bit image with one channel (or several: the first counts); 0 = static, else dynamic
+  std::string path;
 };
+
+// Reads the mask at a path: one channel, 0 = static, else dynamic. May throw InputError. Called on the thread of the
+// segmenter.
+using MaskReader = std::function<Image8(const std::string& path)>;
 
 // Stands in for a network of known cost (Mask R-CNN's 200 ms, SegNet's 30 ms), and is the oracle of ablations. A
 // request, whether of one image or two, takes `delay_ms` from its start; 0 = as fast as the files are read (lockstep).
@@ -27,10 +32,10 @@ class StoredSegmenter final : public Segmenter {
 
   // Throws InputError if there are no masks, if a time is not finite or not after the one before, if a file is missing,
   // or if the delay is negative.
-  StoredSegmenter(std::vector<StoredMask> masks, double delay_ms);
+  StoredSegmenter(std::vector<StoredMask> masks, MaskReader reader, double delay_ms);
 
-  // An empty image where no mask lies near enough in time. Throws InputError, after the delay, for a file that cannot
-  // be read.
+  // Throws InputError, after the delay, where no mask lies near enough in time or its file cannot be read: for a
+  // request of several images, if that is so for all of them; else those are empty and the reason is logged.
   [[nodiscard]] std::vector<Image8> Segment(std::span<const SegmentationInput> inputs) override;
   void Cancel() override;
   [[nodiscard]] std::string Name() const override;
@@ -41,6 +46,7 @@ class StoredSegmenter final : public Segmenter {
   bool WaitUntil(std::chrono::steady_clock::time_point due);
 
   const std::vector<StoredMask> masks_;
+  const MaskReader reader_;
   const std::chrono::duration<double, std::milli> delay_;
   std::mutex mutex_;
   std::condition_variable cancel_asked_;

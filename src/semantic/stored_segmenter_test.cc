@@ -1,7 +1,8 @@
 #include "semantic/stored_segmenter.h"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <fstream>
@@ -32,6 +33,17 @@ class StoredSegmenterTest : public testing::Test {
 
   [[nodiscard]] std::string Path(int i) const { return (folder_ / (std::to_string(i) + ".png")).string(); }
 
+  static Image8 Read(const std::string& path) {
+    const cv::Mat image = cv::imread(path, cv::IMREAD_GRAYSCALE);
+    if (image.empty()) {
+      throw InputError(path + ": no image");
+    }
+    Image8 mask = Image8::Copy(image.data, image.cols, image.rows, 1, image.step);
+    std::ranges::replace_if(
+        mask.data, [](std::uint8_t pixel) { return pixel != 0; }, std::uint8_t{255});
+    return mask;
+  }
+
   static std::vector<SegmentationInput> At(std::initializer_list<double> times) {
     std::vector<SegmentationInput> inputs;
     for (const double time : times) {
@@ -46,7 +58,7 @@ class StoredSegmenterTest : public testing::Test {
 };
 
 TEST_F(StoredSegmenterTest, GivesTheMaskNearestInTime) {
-  StoredSegmenter segmenter(masks_, 0);
+  StoredSegmenter segmenter(masks_, Read, 0);
   const auto answer = segmenter.Segment(At({10.0, 10.119, 10.15, 9.98, 10.221}));
   ASSERT_EQ(answer.size(), 5U);
   EXPECT_EQ(answer[0].At(1, 0), 255);
@@ -59,7 +71,7 @@ TEST_F(StoredSegmenterTest, GivesTheMaskNearestInTime) {
 }
 
 TEST_F(StoredSegmenterTest, ABatchTakesTheDelayOfOne) {
-  StoredSegmenter segmenter(masks_, 200);
+  StoredSegmenter segmenter(masks_, Read, 200);
   const Stopwatch watch;
   EXPECT_EQ(segmenter.Segment(At({10.0, 10.1})).size(), 2U);
   EXPECT_GE(watch.Milliseconds(), 200);
@@ -67,7 +79,7 @@ TEST_F(StoredSegmenterTest, ABatchTakesTheDelayOfOne) {
 }
 
 TEST_F(StoredSegmenterTest, CancelEndsTheWaitAndEveryLaterOne) {
-  StoredSegmenter segmenter(masks_, 60'000);
+  StoredSegmenter segmenter(masks_, Read, 60'000);
   const Stopwatch watch;
   std::thread canceller([&] {
     std::this_thread::sleep_for(std::chrono::milliseconds(30));
@@ -80,15 +92,15 @@ TEST_F(StoredSegmenterTest, CancelEndsTheWaitAndEveryLaterOne) {
 }
 
 TEST_F(StoredSegmenterTest, RefusesBadInput) {
-  EXPECT_THROW(StoredSegmenter({}, 0), InputError);
-  EXPECT_THROW(StoredSegmenter(masks_, -1), InputError);
-  EXPECT_THROW(StoredSegmenter({{1, Path(0)}, {1, Path(1)}}, 0), InputError);
-  EXPECT_THROW(StoredSegmenter({{1, Path(7)}}, 0), InputError);
+  EXPECT_THROW(StoredSegmenter({}, Read, 0), InputError);
+  EXPECT_THROW(StoredSegmenter(masks_, Read, -1), InputError);
+  EXPECT_THROW(StoredSegmenter({{1, Path(0)}, {1, Path(1)}}, Read, 0), InputError);
+  EXPECT_THROW(StoredSegmenter({{1, Path(7)}}, Read, 0), InputError);
 }
 
 TEST_F(StoredSegmenterTest, NamesAMaskThatCannotBeRead) {
   std::ofstream(Path(1)) << "not a PNG";
-  StoredSegmenter segmenter(masks_, 0);
+  StoredSegmenter segmenter(masks_, Read, 0);
   try {
     std::ignore = segmenter.Segment(At({10.1}));
     FAIL() << "no exception";
@@ -96,6 +108,16 @@ TEST_F(StoredSegmenterTest, NamesAMaskThatCannotBeRead) {
     EXPECT_NE(std::string(error.what()).find(Path(1)), std::string::npos);
   }
   EXPECT_FALSE(segmenter.Segment(At({10.2})).at(0).empty());
+}
+
+TEST_F(StoredSegmenterTest, AFrameWithoutAMaskIsAFailure) {
+  StoredSegmenter segmenter(masks_, Read, 0);
+  try {
+    std::ignore = segmenter.Segment(At({10.15}));
+    FAIL() << "no exception";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("no mask within 0.02 s of 10.150000 s"));
+  }
 }
 
 TEST(FaultySegmenterTest, FailsAsItsNameSays) {

@@ -4,12 +4,18 @@
 
 namespace rds {
 
-LabelFollower::LabelFollower(const LabelCarryOptions& options, const FreeSpaceOptions& space, bool lockstep)
+LabelFollower::LabelFollower(const LabelCarryOptions& options, const FreeSpaceOptions& space, bool lockstep,
+                             std::function<void(std::exception_ptr)> failed)
     : carrier_(options, space) {
   if (!lockstep) {
-    worker_.emplace([this] {
-      while (const auto frame = frames_.Pop()) {
-        Follow(*frame);
+    worker_.emplace([this, failed = std::move(failed)] {
+      try {
+        while (const auto frame = frames_.Pop()) {
+          Follow(*frame);
+        }
+      } catch (...) {
+        frames_.Close();
+        failed(std::current_exception());
       }
     });
   }
@@ -26,8 +32,6 @@ void LabelFollower::Follow(const TrackedFrame& frame) {
 void LabelFollower::Offer(TrackedFrame frame) {
   if (!worker_) {
     Follow(frame);
-  } else if (worker_->WaitFor(0)) {
-    worker_->Join();  // it ended by an error
   } else {
     worker_->StayOffCallersCore();
     static_cast<void>(frames_.TryPush(std::move(frame)));

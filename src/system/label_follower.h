@@ -1,6 +1,8 @@
 // The thread that carries labels from frame to frame, beside tracking.
 #pragma once
 
+#include <exception>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -23,10 +25,12 @@ class LabelFollower {
     std::shared_ptr<const std::vector<SeenView>> views;  // labelled ones; may be null
   };
 
-  LabelFollower(const LabelCarryOptions& options, const FreeSpaceOptions& space, bool lockstep);
+  // `failed` is told, on the thread, of an error that ends it.
+  LabelFollower(const LabelCarryOptions& options, const FreeSpaceOptions& space, bool lockstep,
+                std::function<void(std::exception_ptr)> failed);
   ~LabelFollower();
 
-  // Frames ascend. Never waits: where the thread is far behind, the frame is left out. Throws what the thread threw.
+  // Frames ascend. Never waits: where the thread is far behind, or has failed, the frame is left out.
   void Offer(TrackedFrame frame);
   // For a frame. Null before the first, and where they are too old: what moves is elsewhere by then.
   [[nodiscard]] std::shared_ptr<const LabelField> Newest(FrameId frame) const;

@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "base/error.h"
+#include "runtime/failure.h"
 #include "testing/board.h"
 
 namespace rds {
@@ -25,8 +26,10 @@ bool Arrives(const LabelFollower& follower, FrameId frame) {
   return false;
 }
 
+void NeverFails(std::exception_ptr /*error*/) { ADD_FAILURE(); }
+
 TEST(LabelFollowerTest, PublishesTheLabelsOfTheNewestFrame) {
-  LabelFollower follower({}, {}, false);
+  LabelFollower follower({}, {}, false, NeverFails);
   EXPECT_EQ(follower.Newest(FrameId{0}), nullptr);
   for (const std::uint32_t frame : {0U, 1U, 5U}) {
     follower.Offer(Frame(frame));
@@ -35,7 +38,7 @@ TEST(LabelFollowerTest, PublishesTheLabelsOfTheNewestFrame) {
 }
 
 TEST(LabelFollowerTest, WorksAtOnceInLockstep) {
-  LabelFollower follower({}, {}, true);
+  LabelFollower follower({}, {}, true, NeverFails);
   for (const std::uint32_t frame : {0U, 1U, 5U}) {
     follower.Offer(Frame(frame));
     ASSERT_NE(follower.Newest(FrameId{frame + 1}), nullptr);
@@ -46,7 +49,7 @@ TEST(LabelFollowerTest, WorksAtOnceInLockstep) {
 }
 
 TEST(LabelFollowerTest, PassesTheLabelsOfViewsOn) {
-  LabelFollower follower({}, {}, true);
+  LabelFollower follower({}, {}, true, NeverFails);
   const std::vector<KeypointLabel> labels(std::size_t{kBoardColumns} * kBoardRows, KeypointLabel::kStatic);
   LabelFollower::TrackedFrame frame = Frame(0);
   frame.views = std::make_shared<const std::vector<SeenView>>(1, MakeView(FrameId{0}, frame.data, {}, labels));
@@ -55,26 +58,26 @@ TEST(LabelFollowerTest, PassesTheLabelsOfViewsOn) {
 }
 
 TEST(LabelFollowerTest, NeverWaitsAndEndsWithFramesUnderWay) {
-  LabelFollower follower({}, {}, false);
+  LabelFollower follower({}, {}, false, NeverFails);
   for (std::uint32_t frame = 0; frame < 300; ++frame) {
     follower.Offer(Frame(frame));
   }
 }
 
-TEST(LabelFollowerTest, AnErrorOfItsThreadReachesTheCaller) {
-  for (const bool lockstep : {true, false}) {
-    LabelFollower follower({}, {}, lockstep);
-    const DepthGrid without_samples{80, 60, {}};
-    const auto broken = std::make_shared<const FrameData>(TestCamera(), std::vector<Keypoint>{},
-                                                          std::vector<Descriptor>{}, without_samples);
-    const auto offer_until_it_throws = [&] {
-      for (std::uint32_t frame = 0; frame < 5000; ++frame) {
-        follower.Offer({FrameId{frame}, broken, {}, nullptr});
-        std::this_thread::sleep_for(std::chrono::milliseconds(1));
-      }
-    };
-    EXPECT_THROW(offer_until_it_throws(), InvariantError);
+TEST(LabelFollowerTest, AnErrorOfItsThreadIsTold) {
+  const DepthGrid without_samples{80, 60, {}};
+  const auto broken = std::make_shared<const FrameData>(TestCamera(), std::vector<Keypoint>{},
+                                                        std::vector<Descriptor>{}, without_samples);
+  LabelFollower lockstep({}, {}, true, NeverFails);
+  EXPECT_THROW(lockstep.Offer({FrameId{0}, broken, {}, nullptr}), InvariantError);
+  Failure failure;
+  LabelFollower threaded({}, {}, false, [&](std::exception_ptr error) { failure.Set(std::move(error)); });
+  for (std::uint32_t frame = 0; frame < 5000 && !failure.Happened(); ++frame) {
+    threaded.Offer({FrameId{frame}, broken, {}, nullptr});
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
+  EXPECT_THROW(failure.ThrowIfHappened(), InvariantError);
+  threaded.Offer({FrameId{6000}, broken, {}, nullptr});  // left out
 }
 
 }  // namespace

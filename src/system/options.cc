@@ -207,6 +207,10 @@ void CheckConsistent(const Options& options) {
   if (options.orb.min_fast_threshold > options.orb.fast_threshold) {
     throw InputError("option orb.min_fast_threshold must not be above orb.fast_threshold");
   }
+  constexpr double kMostKeypoints = 65'000;  // their numbers have 16 bits
+  if (options.orb.features * (1 + options.orb.moving_share + options.orb.beside_share) > kMostKeypoints) {
+    throw InputError("option orb.features times 1 + orb.moving_share + orb.beside_share must not be above 65000");
+  }
 }
 
 }  // namespace

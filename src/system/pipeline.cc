@@ -1,5 +1,7 @@
 #include "system/pipeline.h"
 
+#include <spdlog/fmt/fmt.h>
+
 #include <algorithm>
 #include <exception>
 #include <utility>
@@ -51,7 +53,9 @@ void Pipeline::MapKeyframe(const KeyframeCandidate& candidate, const std::functi
     AdjustLocally(id, hurry);
     world_.Write([&](World& world) { mapper_.CullKeyframes(world.map, id); });
   }
+  world_.Write([&](World& world) { probabilities_.Release(world.map.TakeFreedPointPages()); });
   PublishAround(id);
+  PublishView();
 }
 
 void Pipeline::AdjustLocally(KeyframeId keyframe, const std::function<bool()>& hurry) {
@@ -81,21 +85,25 @@ LabelledRound Pipeline::Segment(std::vector<BacklogItem> items) {
   try {
     round.masks = segmenter_->Segment(inputs);
   } catch (const std::exception& error) {
-    ++round.failures;
-    log::warn("segmentation failed ({}): {}; going on without this label", segmenter_->Name(), error.what());
+    round.failures += static_cast<int>(inputs.size());
+    WarnOfSegmentation(
+        fmt::format("segmentation failed ({}): {}; going on without this label", segmenter_->Name(), error.what()));
   }
+  const bool answered = round.failures == 0;
   round.segmentation_ms = watch.Milliseconds();
   watch.Restart();
   round.masks.resize(round.items.size());
   for (std::size_t i = 0; i < round.items.size(); ++i) {
     Image8& mask = round.masks[i];
     if (mask.empty()) {
+      round.failures += answered ? 1 : 0;
       continue;
     }
     const Image8& image = *round.items[i].image;
     if (const auto problem = MaskProblem(mask, image.width, image.height, options_.semantic.max_mask_share)) {
       ++round.failures;
-      log::warn("unusable mask of frame {} ({}): {}", round.items[i].frame.value, segmenter_->Name(), *problem);
+      WarnOfSegmentation(
+          fmt::format("unusable mask of frame {} ({}): {}", round.items[i].frame.value, segmenter_->Name(), *problem));
       mask = {};
     } else {
       CompleteMask(round.items[i].data->depth_grid(), options_.semantic.complete_step_depth, mask);
@@ -105,6 +113,16 @@ LabelledRound Pipeline::Segment(std::vector<BacklogItem> items) {
   }
   round.mask_ms = watch.Milliseconds();
   return round;
+}
+
+void Pipeline::WarnOfSegmentation(const std::string& text) {
+  constexpr int kMost = 5;
+  if (segmentation_warnings_++ < kMost) {
+    log::warn("{}", text);
+  }
+  if (segmentation_warnings_ == kMost) {
+    log::warn("more failures of segmentation are counted, not shown");
+  }
 }
 
 void Pipeline::ApplyRound(const LabelledRound& round) {
@@ -132,6 +150,7 @@ void Pipeline::ApplyRound(const LabelledRound& round) {
     figures.labels.insert(figures.labels.end(), events.begin(), events.end());
     figures.segmentation_failures += round.failures;
   });
+  PublishView();
 }
 
 void Pipeline::AddMovedIn(FrameId frame, std::vector<KeypointLabel>& labels) const {
@@ -238,7 +257,18 @@ void Pipeline::CancelSegmenter() {
   }
 }
 
-MapView Pipeline::ViewMap() const {
+std::shared_ptr<const MapView> Pipeline::ViewMap() const {
+  auto view = view_.Get();
+  return view ? view : std::make_shared<const MapView>();
+}
+
+void Pipeline::PublishView() {
+  if (options_.system.keep_features) {
+    view_.Publish(std::make_shared<const MapView>(MakeMapView()));
+  }
+}
+
+MapView Pipeline::MakeMapView() const {
   return world_.Read([&](const World& world) {
     MapView view;
     for (const KeyframeId id : world.map.keyframes()) {
@@ -273,7 +303,7 @@ void Pipeline::FillResult(SlamResult* result) const {
     result->labels = figures.labels;
     result->segmentation_failures = figures.segmentation_failures;
   });
-  result->map = ViewMap();
+  result->map = MakeMapView();
   for (const float p : result->map.moving_probability) {
     switch (StateOf(static_cast<double>(p), options_.semantic.probability)) {
       case PointState::kStatic:

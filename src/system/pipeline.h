@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "map/local_map.h"
@@ -32,7 +33,7 @@ struct LabelledRound {
   std::vector<Image8> masks;  // one for each item
   double segmentation_ms = 0;
   double mask_ms = 0;
-  int failures = 0;  // requests that threw or gave something unusable
+  int failures = 0;  // keyframes without a usable mask
 };
 
 // State shared by tracking, mapping and semantics, and the phases that change it. MapKeyframe and its kin belong to the
@@ -58,7 +59,7 @@ class Pipeline {
   [[nodiscard]] const MovingProbabilities& probabilities() const { return probabilities_; }
   // The newest labelled keyframes with their poses, newest first; null before the first label.
   [[nodiscard]] std::shared_ptr<const std::vector<SeenView>> LabelledViews() const { return views_.Get(); }
-  [[nodiscard]] MapView ViewMap() const;
+  [[nodiscard]] std::shared_ptr<const MapView> ViewMap() const;
   [[nodiscard]] MaskView ViewMask() const;
   // Newest frame that has been labelled; -1 before the first.
   [[nodiscard]] std::int64_t newest_labelled() const { return newest_labelled_.load(std::memory_order_relaxed); }
@@ -78,6 +79,11 @@ class Pipeline {
 
   void AdjustLocally(KeyframeId keyframe, const std::function<bool()>& hurry);
   void PublishAround(KeyframeId keyframe);
+  // For drawing, if it is wanted.
+  void PublishView();
+  [[nodiscard]] MapView MakeMapView() const;
+  // Logs the first few, and that there are more.
+  void WarnOfSegmentation(const std::string& text);
   // Makes labels dynamic where something has moved in since earlier keyframes; leaves them if the frame is not in the
   // map (yet).
   void AddMovedIn(FrameId frame, std::vector<KeypointLabel>& labels) const;
@@ -99,6 +105,8 @@ class Pipeline {
   Guarded<Figures> figures_;
   Published<LocalMap> local_map_;
   Published<MaskView> mask_;
+  Published<MapView> view_;
+  int segmentation_warnings_ = 0;   // the semantic thread's
   std::vector<SeenView> labelled_;  // the newest ones, newest first; the semantic thread's
   Published<std::vector<SeenView>> views_;
   std::atomic<std::int64_t> newest_labelled_ = -1;

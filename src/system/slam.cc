@@ -2,8 +2,7 @@
 #include "system/slam.h"
 
 #include <algorithm>
-#include <atomic>
-#include <deque>
+#include <exception>
 #include <optional>
 #include <string>
 #include <utility>
@@ -12,11 +11,11 @@
 #include "base/log.h"
 #include "base/time.h"
 #include "feature/orb.h"
-#include "runtime/bounded_queue.h"
-#include "runtime/monitor.h"
+#include "geometry/distortion.h"
 #include "runtime/worker.h"
 #include "system/frame_report.h"
 #include "system/label_follower.h"
+#include "system/lanes.h"
 #include "system/pipeline.h"
 #include "tracking/tracker.h"
 
@@ -26,71 +25,16 @@ namespace {
 constexpr std::uint32_t kStartKeyframes = 4;  // frames from one to the next among those tracked again
 constexpr int kWeakStart = 30;                // matches below which the first keyframe does not do any more
 
-// Keyframes that wait for labels, as the semantic thread sees them.
-struct Waiting {
-  explicit Waiting(std::size_t capacity) : backlog(capacity) {}
-
-  Backlog backlog;
-  int dropped = 0;         // left unlabelled for want of room
-  bool in_flight = false;  // a round is being segmented
-  bool closing = false;
-};
-
-// What the workers touch. Shared, so that a back end that never answers keeps it alive after the rest is gone.
-struct Shared {
-  Shared(const Options& options, const ScalePyramid& pyramid, std::shared_ptr<Segmenter> segmenter)
-      : pipeline(options, pyramid, std::move(segmenter)),
-        keyframes(static_cast<std::size_t>(options.system.keyframe_queue)),
-        waiting(static_cast<std::size_t>(options.semantic.backlog)) {}
-
-  Pipeline pipeline;
-  BoundedQueue<KeyframeCandidate> keyframes;
-  std::atomic<bool> mapping = false;
-  Monitor<Waiting> waiting;
-};
-
-void RunMapping(Shared& shared) {
-  while (auto candidate = shared.keyframes.Pop()) {
-    Worker::UseAllCores();
-    shared.mapping = true;
-    shared.pipeline.MapKeyframe(*candidate, [&] { return shared.keyframes.Size() > 0; });
-    shared.mapping = false;
+// Before anything is built from them.
+const PinholeCamera& Checked(const PinholeCamera& camera) {
+  if (const auto problem = camera.HasDistortion() ? DistortionProblem(camera) : std::nullopt) {
+    throw InputError("camera: " + *problem);
   }
+  return camera;
 }
-
-// Algorithm 1.
-void RunSemantics(Shared& shared, const SemanticOptions& options) {
-  for (;;) {
-    std::vector<BacklogItem> selected = shared.waiting.WaitAndWrite(
-        [](const Waiting& waiting) { return waiting.closing || !waiting.backlog.empty(); },
-        [&](Waiting& waiting) {
-          auto items = waiting.closing
-                           ? std::vector<BacklogItem>{}
-                           : waiting.backlog.Select(options.selection, static_cast<std::size_t>(options.per_round));
-          waiting.in_flight = !items.empty();
-          return items;
-        });
-    if (selected.empty()) {
-      return;
-    }
-    Worker::UseAllCores();
-    std::vector<std::vector<BacklogItem>> requests;
-    if (options.batch) {
-      requests.push_back(std::move(selected));
-    } else {  // the newest first: its label is the one that tracking waits for
-      for (auto item = selected.rbegin(); item != selected.rend(); ++item) {
-        requests.push_back({std::move(*item)});
-      }
-    }
-    for (auto& request : requests) {
-      const LabelledRound round = shared.pipeline.Segment(std::move(request));
-      if (shared.waiting.Read([](const Waiting& waiting) { return waiting.closing; })) {
-        return;
-      }
-      shared.pipeline.ApplyRound(round);
-    }
-    shared.waiting.Write([](Waiting& waiting) { waiting.in_flight = false; });
-  }
+const Options& Checked(const Options& options) {
+  ValidateOptions(options);
+  return options;
 }
 
 }  // namespace
@@ -101,6 +45,7 @@ class Slam::Impl {
   ~Impl();
 
   FrameResult Process(const RgbdFrame& frame);
+  FrameResult TrackFrame(const RgbdFrame& frame);
   SlamResult Finish();
   [[nodiscard]] const Pipeline& pipeline() const { return shared_->pipeline; }
 
@@ -158,15 +103,19 @@ Slam::Impl::Impl(const PinholeCamera& camera, const Options& options, std::share
       extractor_(options.orb),
       shared_(std::make_shared<Shared>(options, extractor_.pyramid(), std::move(segmenter))),
       tracker_(MakeTracker()) {
-  ValidateOptions(options);
   starting_ = shared_->pipeline.HasSegmenter() && options.tracking.association.use_semantics &&
               options.semantic.start_frames > 0;
   StartFollowing();
   if (!options_.system.lockstep) {
-    mapping_ = std::make_unique<Worker>([shared = shared_] { RunMapping(*shared); });
-    if (shared_->pipeline.HasSegmenter()) {
-      semantics_ = std::make_unique<Worker>(
-          [shared = shared_, semantic = options_.semantic] { RunSemantics(*shared, semantic); });
+    try {
+      mapping_ = std::make_unique<Worker>(Lane(shared_, RunMapping));
+      if (shared_->pipeline.HasSegmenter()) {
+        semantics_ = std::make_unique<Worker>(
+            Lane(shared_, [semantic = options_.semantic](Shared& shared) { RunSemantics(shared, semantic); }));
+      }
+    } catch (...) {
+      shared_->keyframes.Close();  // the one that runs is joined
+      throw;
     }
   }
 }
@@ -181,7 +130,8 @@ std::unique_ptr<Tracker> Slam::Impl::MakeTracker() const {
 
 void Slam::Impl::StartFollowing() {
   if (shared_->pipeline.HasSegmenter() && options_.tracking.association.use_semantics && options_.carry.enabled) {
-    follower_.emplace(options_.carry, options_.semantic.free_space, options_.system.lockstep);
+    follower_.emplace(options_.carry, options_.semantic.free_space, options_.system.lockstep,
+                      [shared = shared_](std::exception_ptr error) { shared->Fail(std::move(error)); });
   }
 }
 
@@ -255,7 +205,21 @@ FrameResult Slam::Impl::Process(const RgbdFrame& frame) {
   const double cpu_start = ThreadCpuSeconds();
   Check(!finished_, "no Process after Finish");
   CheckFrame(frame, camera_, last_timestamp_s_);
+  shared_->failure.ThrowIfHappened();
   last_timestamp_s_ = frame.timestamp_s;
+  try {
+    FrameResult result = TrackFrame(frame);
+    result.timing.cpu_ms = 1e3 * (ThreadCpuSeconds() - cpu_start);
+    result.timing.total_ms = watch.Milliseconds();
+    return result;
+  } catch (...) {
+    shared_->Fail(std::current_exception());
+    throw;
+  }
+}
+
+FrameResult Slam::Impl::TrackFrame(const RgbdFrame& frame) {
+  const Stopwatch watch;
   FrameResult result;
   result.frame = FrameId{next_frame_++};
   processed_ = next_frame_;
@@ -285,8 +249,6 @@ FrameResult Slam::Impl::Process(const RgbdFrame& frame) {
   if (starting_ && tracked_before_) {
     KeepStart(result, std::move(data), frame);
   }
-  result.timing.cpu_ms = 1e3 * (ThreadCpuSeconds() - cpu_start);
-  result.timing.total_ms = watch.Milliseconds();
   return result;
 }
 
@@ -362,22 +324,28 @@ SlamResult Slam::Impl::Finish() {
   if (mapping_) {
     mapping_->Join();
   }
-  StopSemantics(true);
-  while (options_.system.lockstep && shared_->pipeline.HasSegmenter() &&
+  StopSemantics(!shared_->failure.Happened());
+  while (options_.system.lockstep && !shared_->failure.Happened() && shared_->pipeline.HasSegmenter() &&
          (due_ || !shared_->waiting.Read([](const Waiting& waiting) { return waiting.backlog.empty(); }))) {
-    StepSemantics(FrameId{next_frame_ += 1000});
+    try {
+      StepSemantics(FrameId{next_frame_ += 1000});
+    } catch (...) {
+      shared_->Fail(std::current_exception());
+    }
   }
+  follower_.reset();
   SlamResult result;
+  result.error = shared_->failure.Get();
   const bool any_keyframe = shared_->pipeline.CurrentLocalMap() != nullptr;
-  for (const TrajectoryEntry& entry : entries_) {
-    Check(any_keyframe, "a tracked frame has a keyframe");
+  Check(any_keyframe || entries_.empty() || result.error != nullptr, "a tracked frame has a keyframe");
+  for (const TrajectoryEntry& entry : any_keyframe ? entries_ : std::vector<TrajectoryEntry>()) {
     const KeyframeId reference = entry.reference.valid() ? entry.reference : KeyframeId{0};
     const Rigid3 camera_from_world = entry.camera_from_reference * shared_->pipeline.CameraFromWorld(reference);
     result.frames.push_back({entry.timestamp_s, camera_from_world.Inverse()});
   }
   shared_->pipeline.FillResult(&result);
   result.processed_frames = static_cast<int>(processed_);
-  result.tracked_frames = static_cast<int>(entries_.size());
+  result.tracked_frames = static_cast<int>(result.frames.size());
   result.lost_frames = lost_;
   result.keyframes_left_unlabelled = shared_->waiting.Read(
       [](const Waiting& waiting) { return waiting.dropped + static_cast<int>(waiting.backlog.size()); });
@@ -385,7 +353,8 @@ SlamResult Slam::Impl::Finish() {
 }
 
 Slam::Slam(const PinholeCamera& camera, const Options& options, std::unique_ptr<Segmenter> segmenter)
-    : impl_(std::make_unique<Impl>(camera, options, std::shared_ptr<Segmenter>(std::move(segmenter)))) {}
+    : impl_(std::make_unique<Impl>(Checked(camera), Checked(options),
+                                   std::shared_ptr<Segmenter>(std::move(segmenter)))) {}
 
 Slam::~Slam() = default;
 
@@ -393,7 +362,7 @@ FrameResult Slam::Process(const RgbdFrame& frame) { return impl_->Process(frame)
 
 SlamResult Slam::Finish() { return impl_->Finish(); }
 
-MapView Slam::ViewMap() const { return impl_->pipeline().ViewMap(); }
+std::shared_ptr<const MapView> Slam::ViewMap() const { return impl_->pipeline().ViewMap(); }
 
 MaskView Slam::ViewMask() const { return impl_->pipeline().ViewMask(); }
 

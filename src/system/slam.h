@@ -1,6 +1,7 @@
 // The public API: frames in, trajectory and map out.
 #pragma once
 
+#include <exception>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -23,7 +24,7 @@ struct LabelEvent {
   double optimisation_ms = 0;  // semantic-based optimisation; 0 = none was due
 };
 
-// A view for drawing; copies, so it stays valid.
+// A view for drawing: the map as of its newest change. Immutable once handed out.
 struct MapView {
   std::vector<Rigid3> keyframes;          // world_from_camera, in order of creation
   std::vector<Eigen::Vector3f> points;    // in the world frame, metres
@@ -51,15 +52,18 @@ struct SlamResult {
   int static_points = 0;
   int unknown_points = 0;
   int dynamic_points = 0;
+  std::exception_ptr error;  // that ended the run early; null if none. All above is what there was until then
 };
 
 // RGB-D SLAM. One caller's thread calls Process and Finish; worker threads live inside and are joined by Finish or the
 // destructor. World frame: the camera frame of the first tracked frame. Throws InputError for images of a wrong size
-// or type and for timestamps that do not increase; the system stays usable after that.
+// or type and for timestamps that do not increase; the system stays usable after that. Any other exception, of this
+// thread or of a worker, ends the run: Process throws it, now and from then on, and Finish still gives what there is.
 class Slam {
  public:
   // `segmenter` may be null (no semantics). In lockstep (options.system.lockstep) everything runs on the caller's
-  // thread in a fixed order.
+  // thread in a fixed order. Throws InputError for options out of range, a camera whose distortion cannot be undone,
+  // and where the system gives no thread.
   Slam(const PinholeCamera& camera, const Options& options, std::unique_ptr<Segmenter> segmenter = nullptr);
   ~Slam();
   Slam(const Slam&) = delete;
@@ -69,11 +73,12 @@ class Slam {
   FrameResult Process(const RgbdFrame& frame);
 
   // Lets the workers finish what is queued (labels still missing are waited for up to a limit), joins them and returns
-  // the result. No Process after that.
+  // the result. No Process after that. Does not throw what a worker threw: see SlamResult::error.
   SlamResult Finish();
 
-  // Copies for drawing; may be called between Process calls.
-  [[nodiscard]] MapView ViewMap() const;
+  // For drawing; may be called between Process calls, and takes no lock of the map. ViewMap is never null, and empty
+  // unless options.system.keep_features.
+  [[nodiscard]] std::shared_ptr<const MapView> ViewMap() const;
   [[nodiscard]] MaskView ViewMask() const;
 
  private:

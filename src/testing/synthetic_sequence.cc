@@ -16,7 +16,7 @@
 
 #include "base/error.h"
 #include "io/atomic_file.h"
-#include "io/camera_config.h"
+#include "io/camera_file.h"
 #include "io/trajectory_io.h"
 
 namespace rds {

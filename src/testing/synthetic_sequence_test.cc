@@ -6,7 +6,7 @@
 #include <string>
 
 #include "base/error.h"
-#include "io/camera_config.h"
+#include "io/camera_file.h"
 #include "io/image_io.h"
 #include "io/text_table.h"
 #include "io/trajectory_io.h"
