@@ -18,6 +18,7 @@ set(RDS_OPENVINO_ROOT ${PROJECT_SOURCE_DIR}/build/deps/openvino CACHE PATH "Wher
 mark_as_advanced(RDS_OPENVINO_ROOT)
 
 set(RDS_WITH_OPENVINO OFF)
+set(RDS_OPENVINO_FROM_WHEEL OFF)
 if(RDS_OPENVINO STREQUAL "ON" OR (RDS_OPENVINO STREQUAL "AUTO" AND NOT RDS_SANITIZE))
   if(EXISTS ${RDS_OPENVINO_ROOT}/openvino/cmake/OpenVINOConfig.cmake)
     set(TBB_DIR ${RDS_OPENVINO_ROOT}/openvino/cmake)  # its own
@@ -30,9 +31,9 @@ if(RDS_OPENVINO STREQUAL "ON" OR (RDS_OPENVINO STREQUAL "AUTO" AND NOT RDS_SANIT
   if(OpenVINO_FOUND)
     set(RDS_WITH_OPENVINO ON)
     message(STATUS "OpenVINO ${OpenVINO_VERSION}: ${OpenVINO_DIR}")
-    if(EXISTS ${RDS_OPENVINO_ROOT}/openvino/libs)
-      # CMake leaves folders inside the project out of the run path of installed programs unless they are named.
-      set(CMAKE_INSTALL_RPATH ${RDS_OPENVINO_ROOT}/openvino/libs)
+    string(FIND "${OpenVINO_DIR}" "${RDS_OPENVINO_ROOT}/" rds_place)
+    if(rds_place EQUAL 0)
+      set(RDS_OPENVINO_FROM_WHEEL ON)
     endif()
   elseif(RDS_OPENVINO STREQUAL "ON")
     message(FATAL_ERROR "OpenVINO not found; run scripts/install_openvino.sh or set OpenVINO_DIR")
@@ -41,8 +42,8 @@ if(RDS_OPENVINO STREQUAL "ON" OR (RDS_OPENVINO STREQUAL "AUTO" AND NOT RDS_SANIT
   endif()
 endif()
 
-# Compiles the back end into TARGET and links the runtime. Call it before TARGET's other libraries are named. The
-# folder of the libraries becomes part of the run path of programs in the build tree.
+# Compiles the back end into TARGET and links the runtime. Call it before TARGET's other libraries are named. How
+# programs find the runtime is in run_path.cmake.
 function(rds_add_openvino target)
   if(NOT RDS_WITH_OPENVINO)
     return()
@@ -50,8 +51,7 @@ function(rds_add_openvino target)
   set_source_files_properties(
     ${PROJECT_SOURCE_DIR}/src/semantic/openvino_network.cc ${PROJECT_SOURCE_DIR}/src/semantic/openvino_segmenter.cc
     TARGET_DIRECTORY ${target} PROPERTIES COMPILE_DEFINITIONS RDS_WITH_OPENVINO SKIP_PRECOMPILE_HEADERS ON)
-  string(FIND "${OpenVINO_DIR}" "${RDS_OPENVINO_ROOT}/" from_wheel)
-  if(TARGET TBB::tbb AND from_wheel EQUAL 0)
+  if(TARGET TBB::tbb AND RDS_OPENVINO_FROM_WHEEL)
     # A direct dependency of each program, so that it is loaded before the libraries that OpenCV depends on.
     target_link_libraries(${target} PRIVATE -Wl,--push-state,--no-as-needed TBB::tbb -Wl,--pop-state)
   endif()

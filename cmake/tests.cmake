@@ -67,6 +67,8 @@ if(NOT RDS_SANITIZE)
   rds_add_repository_test(test_summary ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/tests/summarize_tests_test.py)
   rds_add_repository_test(scripts ${PROJECT_SOURCE_DIR}/tests/scripts_test.sh)
   if(TARGET rds_program)
+    rds_add_repository_test(run_path ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/tests/run_path_test.py
+      ${PROJECT_BINARY_DIR})
     foreach(test input signals disk)
       rds_add_repository_test(faults_${test} ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/tests/faults_test.py
         $<TARGET_FILE:rds_program> ${test})

@@ -29,4 +29,11 @@ awk '/^frame/ {count++; last = $5} END {
     print "expected 60 poses, the last one .59 m to the right of the first; got " count " and " last
     exit 1
   }}' "$work/output"
+# The program needs nothing of the build tree: no path into it, and no library from it.
 "$work/prefix/bin/rds" --help >/dev/null
+if grep -rl --binary-files=text "$root/build\|$build" "$work/prefix/lib" --include='*.cmake' ||
+  readelf -d "$work/prefix/bin/rds" | grep -F "$root" || ldd "$work/prefix/bin/rds" | grep -F "$root" ||
+  ldd "$work/prefix/bin/rds" | grep 'not found'; then
+  echo "what is installed needs the build tree"
+  exit 1
+fi

@@ -28,10 +28,19 @@ nlohmann::ordered_json AccuracyJson(const std::optional<Evaluation>& evaluation)
   return json;
 }
 
-std::string AccuracyText(const std::optional<Evaluation>& evaluation, bool has_ground_truth) {
+std::string AccuracyText(const std::optional<Evaluation>& evaluation, const Trajectory& estimate,
+                         const std::optional<Trajectory>& ground_truth) {
+  if (!ground_truth) {
+    return "accuracy: unknown, the sequence has no groundtruth.txt that can be read\n";
+  }
   if (!evaluation) {
-    return has_ground_truth ? "accuracy: too few tracked frames match the ground truth in time\n"
-                            : "accuracy: unknown, the sequence has no groundtruth.txt\n";
+    const auto span = [](const Trajectory& trajectory) {
+      return trajectory.empty()
+                 ? std::string("nothing")
+                 : fmt::format("{:.3f} to {:.3f} s", trajectory.front().timestamp_s, trajectory.back().timestamp_s);
+    };
+    return fmt::format("accuracy: too few tracked frames match the ground truth in time; it covers {}, the run {}\n",
+                       span(*ground_truth), span(estimate));
   }
   std::string text = fmt::format("ATE: {:.4f} m RMSE over {} poses", evaluation->ate_m.rmse, evaluation->ate_m.count);
   if (evaluation->rpe_translation_m.count > 0) {

@@ -18,6 +18,7 @@ namespace rds {
 [[nodiscard]] nlohmann::ordered_json AccuracyJson(const std::optional<Evaluation>& evaluation);
 
 // A line for the user, ending in a line break; says why where there is no evaluation.
-[[nodiscard]] std::string AccuracyText(const std::optional<Evaluation>& evaluation, bool has_ground_truth);
+[[nodiscard]] std::string AccuracyText(const std::optional<Evaluation>& evaluation, const Trajectory& estimate,
+                                       const std::optional<Trajectory>& ground_truth);
 
 }  // namespace rds

@@ -74,6 +74,9 @@ class LeftOut {
   LeftOut(std::size_t frames, PlaybackResult& result) : frames_(frames), result_(result) {}
 
   void Read() {
+    if (!any_read_ && result_.left_out > 0) {
+      log::warn("{} frames at the beginning are left out; the first: {}", result_.left_out, result_.first_problem);
+    }
     in_a_row_ = 0;
     any_read_ = true;
   }
@@ -97,9 +100,12 @@ class LeftOut {
           fmt::format("reading ended for good at frame {}: {} frames in a row cannot be read; the first: {}",
                       row_begins_, in_a_row_, row_problem_));
     }
-    if (result_.left_out <= kMostShown) {
+    if (!any_read_) {
+      return;
+    }
+    if (++shown_ <= kMostShown) {
       log::warn("frame {} is left out: {}", frame.index, frame.problem);
-    } else if (result_.left_out == kMostShown + 1) {
+    } else if (shown_ == kMostShown + 1) {
       log::warn("frame {} is left out, too; more are counted, not shown", frame.index);
     }
   }
@@ -112,6 +118,7 @@ class LeftOut {
   std::size_t row_begins_ = 0;
   std::string row_problem_;
   bool any_read_ = false;
+  std::size_t shown_ = 0;
 };
 
 }  // namespace

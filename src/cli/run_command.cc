@@ -135,7 +135,7 @@ std::string TrackingText(const PlaySetup& setup, const Outcome& outcome) {
                       "depth has the scale of the camera file\n",
                       setup.options.tracking.min_start_points);
   }
-  return text + AccuracyText(outcome.accuracy, setup.dataset.ground_truth().has_value());
+  return text + AccuracyText(outcome.accuracy, slam.frames, setup.dataset.ground_truth());
 }
 
 // What went less well than the counts of TrackingText show; "" if nothing did.

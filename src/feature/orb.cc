@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "feature/depth_lookup.h"
 #include "feature/orb_descriptor.h"
 #include "feature/orb_fast.h"
 #include "feature/orb_image.h"
@@ -41,25 +42,23 @@ std::vector<std::size_t> FeaturesPerLevel(const OrbOptions& options) {
   return wanted;
 }
 
-bool IsDepth(std::uint16_t raw) { return raw != 0 && raw != std::numeric_limits<std::uint16_t>::max(); }
-
 // Whether a surface ends next to a pixel of depth `raw`: it is much nearer or farther a few pixels away, or, below
 // `near_raw`, there are holes. A sensor that triangulates leaves them beside near surfaces, the wider the nearer, and
 // between them often sees the near surface where the camera looks past it.
-bool IsAtEdge(const Image16& depth, int x, int y, std::uint16_t raw, double near_raw) {
+bool IsAtEdge(const DepthLookup& depth, int x, int y, std::uint16_t raw, double near_raw) {
   constexpr int kReach_px = 6;
-  constexpr int kJumpShare = 10;  // a tenth of the depth
+  constexpr int kEdgeShare = 10;  // a tenth of the depth
   constexpr int kEdgeHoles = 2;
   int holes = 0;
   for (const int dy : {-kReach_px, 0, kReach_px}) {
     for (const int dx : {-kReach_px, 0, kReach_px}) {
-      if (x + dx < 0 || y + dy < 0 || x + dx >= depth.width || y + dy >= depth.height) {
+      if (x + dx < 0 || y + dy < 0 || x + dx >= depth.width() || y + dy >= depth.height()) {
         continue;
       }
       const std::uint16_t other = depth.At(x + dx, y + dy);
-      if (!IsDepth(other)) {
+      if (other == 0) {
         ++holes;
-      } else if (std::abs(int{other} - int{raw}) > raw / kJumpShare) {
+      } else if (std::abs(int{other} - int{raw}) > raw / kEdgeShare) {
         return true;
       }
     }
@@ -67,7 +66,7 @@ bool IsAtEdge(const Image16& depth, int x, int y, std::uint16_t raw, double near
   return holes >= kEdgeHoles && raw < near_raw;
 }
 
-void LookUpDepth(const PinholeCamera& camera, const Image16& depth, bool edges, std::vector<Keypoint>& keypoints) {
+void LookUpDepth(const PinholeCamera& camera, const DepthLookup& depth, bool edges, std::vector<Keypoint>& keypoints) {
   const auto bf = static_cast<float>(camera.Bf());
   const auto metres_per_unit = static_cast<float>(1 / camera.depth_scale);
   constexpr double kNearBaselines = 15;
@@ -76,7 +75,7 @@ void LookUpDepth(const PinholeCamera& camera, const Image16& depth, bool edges, 
     const auto x = static_cast<int>(std::lround(keypoint.raw_x));
     const auto y = static_cast<int>(std::lround(keypoint.raw_y));
     const std::uint16_t raw = depth.At(x, y);
-    if (IsDepth(raw)) {
+    if (raw != 0) {
       keypoint.depth_m = static_cast<float>(raw) * metres_per_unit;
       keypoint.right_x = keypoint.x - bf / keypoint.depth_m;
       keypoint.at_edge = edges && IsAtEdge(depth, x, y, raw, near_raw);
@@ -84,15 +83,15 @@ void LookUpDepth(const PinholeCamera& camera, const Image16& depth, bool edges, 
   }
 }
 
-DepthGrid SampleDepth(const PinholeCamera& camera, const Image16& depth) {
-  DepthGrid grid{depth.width / kDepthGridStep, depth.height / kDepthGridStep, {}};
+DepthGrid SampleDepth(const PinholeCamera& camera, const DepthLookup& depth) {
+  DepthGrid grid{depth.width() / kDepthGridStep, depth.height() / kDepthGridStep, {}};
   grid.depth_m.reserve(static_cast<std::size_t>(grid.columns * grid.rows));
   const auto metres_per_unit = static_cast<float>(1 / camera.depth_scale);
   for (int row = 0; row < grid.rows; ++row) {
-    const std::uint16_t* pixels = depth.Row(row * kDepthGridStep + kDepthGridStep / 2) + kDepthGridStep / 2;
     for (int column = 0; column < grid.columns; ++column) {
-      const std::uint16_t raw = pixels[column * kDepthGridStep];
-      grid.depth_m.push_back(IsDepth(raw) ? static_cast<float>(raw) * metres_per_unit : 0.0F);
+      const std::uint16_t raw =
+          depth.At(column * kDepthGridStep + kDepthGridStep / 2, row * kDepthGridStep + kDepthGridStep / 2);
+      grid.depth_m.push_back(static_cast<float>(raw) * metres_per_unit);
     }
   }
   return grid;
@@ -247,8 +246,9 @@ FrameData OrbExtractor::Extract(const PinholeCamera& camera, const Image8& image
     impl_->ExtractLevel(level, motion, keypoints, descriptors);
   }
   Undistort(camera, keypoints);
-  LookUpDepth(camera, depth, impl_->options.depth_edges, keypoints);
-  return {camera, std::move(keypoints), std::move(descriptors), SampleDepth(camera, depth)};
+  const DepthLookup lookup(depth);
+  LookUpDepth(camera, lookup, impl_->options.depth_edges, keypoints);
+  return {camera, std::move(keypoints), std::move(descriptors), SampleDepth(camera, lookup)};
 }
 
 }  // namespace rds

@@ -42,7 +42,10 @@ class CameraReader {
   [[nodiscard]] double Positive(const char* key, double limit = 1e9) const {
     const double value = Number(Required(key), key);
     if (!(value > 0 && value < limit)) {
-      throw Error(root_[key], fmt::format("'{}' is {}, it must be more than 0 and less than {}", key, value, limit));
+      const bool mirrored = value < 0 && std::string(key) == "fy";  // ICL-NUIM's files
+      throw Error(root_[key],
+                  fmt::format("'{}' is {}, it must be more than 0 and less than {}{}", key, value, limit,
+                              mirrored ? fmt::format("; write {}, rows are counted from above", -value) : ""));
     }
     return value;
   }

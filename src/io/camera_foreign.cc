@@ -47,6 +47,12 @@ class ForeignReader {
     return *value;
   }
   [[nodiscard]] int NeedSize(Keys keys) const {
+    if (!Has(keys)) {
+      throw InputError(
+          fmt::format("{}: a calibration that does not say the size of the images; add the lines 'width: N' "
+                      "and 'height: N'",
+                      path_.string()));
+    }
     const double value = Need(keys);
     if (!(value >= 1 && value < 20000 && value == std::floor(value))) {
       throw InputError(

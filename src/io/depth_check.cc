@@ -41,12 +41,16 @@ void CheckDepthScale(const Dataset& dataset, const PinholeCamera& camera) {
     throw InputError(fmt::format("{}: {}; mend the camera file, or add 'unusual: true' to it if that is right",
                                  dataset.folder().string(), *problem));
   }
-  constexpr double kFarthest_m = 12;  // of nearly all depth; stereo cameras in halls see farther, and are only warned
+  // Nearly all depth; stereo cameras in halls see farther, those for small things less, and are only warned.
+  constexpr double kFarthest_m = 12;
+  constexpr double kNearest_m = 0.8;
   const double far_m = depths_m[depths_m.size() * 95 / 100];
   if (const double likely = LikelyDepthScale(camera, median_m);
-      far_m > kFarthest_m && !camera.unusual && likely != camera.depth_scale) {
-    log::warn("{}: a twentieth of the depth lies beyond {:.1f} m; is depth_scale {:g} right? With {:g} it is {:.1f} m",
-              dataset.folder().string(), far_m, camera.depth_scale, likely, far_m * camera.depth_scale / likely);
+      (far_m > kFarthest_m || far_m < kNearest_m) && !camera.unusual && likely != camera.depth_scale) {
+    log::warn(
+        "{}: all but a twentieth of the depth lies within {:.1f} m; is depth_scale {:g} right? With {:g} it would "
+        "be {:.1f} m",
+        dataset.folder().string(), far_m, camera.depth_scale, likely, far_m * camera.depth_scale / likely);
   }
 }
 

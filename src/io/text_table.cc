@@ -62,23 +62,26 @@ TextTable ReadTextTable(const std::filesystem::path& path) {
   if (rest.starts_with("\xEF\xBB\xBF")) {
     rest.remove_prefix(3);
   }
+  std::string first_line;
   for (std::size_t number = 1; !rest.empty(); ++number) {
     const std::size_t end = std::min(rest.find_first_of("\r\n"), rest.size());
-    std::vector<std::string> fields = Split(rest.substr(0, end));
+    const std::string_view line = rest.substr(0, end);
+    std::vector<std::string> fields = Split(line);
     const auto comment = std::ranges::find_if(fields, [](const std::string& field) { return field.starts_with('#'); });
-    if (comment == fields.begin() && comment != fields.end() && table.rows.empty()) {
-      comment->erase(0, 1);
-      table.heading = std::move(fields);
-    } else {
-      fields.erase(comment, fields.end());
-      if (!fields.empty()) {
-        table.rows.push_back({number, std::move(fields)});
+    if (table.rows.empty() && comment == fields.begin() && comment != fields.end()) {
+      table.heading = line.substr(line.find('#') + 1);
+    }
+    fields.erase(comment, fields.end());
+    if (!fields.empty()) {
+      if (table.rows.empty() && !ParseNumber(fields.front())) {
+        first_line = line;
       }
+      table.rows.push_back({number, std::move(fields)});
     }
     rest.remove_prefix(std::min(end + (rest.substr(end).starts_with("\r\n") ? 2 : 1), rest.size()));
   }
   if (table.rows.size() > 1 && !BeginsWithNumber(table.rows[0]) && BeginsWithNumber(table.rows[1])) {
-    table.heading = std::move(table.rows.front().fields);
+    table.heading = first_line;
     table.rows.erase(table.rows.begin());
   }
   return table;

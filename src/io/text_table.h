@@ -22,7 +22,7 @@ struct TextRow {
 // and what follows a field that begins with # are left out.
 struct TextTable {
   std::filesystem::path path;
-  std::vector<std::string> heading;  // words of the first line that is no number, or of the last comment before row 1
+  std::string heading;  // the first line if it does not begin with a number, else the last comment before the first row
   std::vector<TextRow> rows;
 
   // "path:line", for messages.

@@ -29,15 +29,9 @@ TimeUnit ByStep(double step, bool whole, double last) {
 }  // namespace
 
 TimeUnit GuessTimeUnit(std::span<const double> times, bool whole_only) {
+  const TimeUnit by_size = times.empty() ? TimeUnit::kSeconds : BySize(times.front());
   if (times.size() < 3) {
-    return times.empty() ? TimeUnit::kSeconds : BySize(times.front());
-  }
-  if (const TimeUnit unit = BySize(times.front()); unit != TimeUnit::kSeconds) {
-    return unit;
-  }
-  const bool whole = std::ranges::all_of(times, [](double time) { return time == std::floor(time); });
-  if (whole_only && !whole) {
-    return TimeUnit::kSeconds;
+    return by_size;
   }
   std::vector<double> steps;
   for (std::size_t i = 1; i < times.size(); ++i) {
@@ -45,7 +39,12 @@ TimeUnit GuessTimeUnit(std::span<const double> times, bool whole_only) {
   }
   const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
   std::ranges::nth_element(steps, middle);
-  return ByStep(*middle, whole, times.back());
+  constexpr double kLongestStep_s = 60;  // else it is the time since a start, in a finer unit
+  if (by_size != TimeUnit::kSeconds && *middle * SecondsIn(by_size) < kLongestStep_s) {
+    return by_size;
+  }
+  const bool whole = std::ranges::all_of(times, [](double time) { return time == std::floor(time); });
+  return whole_only && !whole ? TimeUnit::kSeconds : ByStep(*middle, whole, times.back());
 }
 
 double SecondsIn(TimeUnit unit) {

@@ -21,6 +21,8 @@ TEST(GuessTimeUnit, KnowsSecondsSince1970BySize) {
   EXPECT_EQ(GuessTimeUnit(Times(1.7e15, 33333), false), TimeUnit::kMicroseconds);
   EXPECT_EQ(GuessTimeUnit(Times(1.7e18, 33333333), false), TimeUnit::kNanoseconds);
   EXPECT_EQ(GuessTimeUnit(std::vector{1.7e18}, true), TimeUnit::kNanoseconds);
+  EXPECT_EQ(GuessTimeUnit(Times(1e12, 33333333), false), TimeUnit::kNanoseconds) << "1000 s since the start";
+  EXPECT_EQ(GuessTimeUnit(Times(1.7e12, 5000), true), TimeUnit::kMilliseconds) << "keyframes";
 }
 
 TEST(GuessTimeUnit, KnowsTheOthersByTheirStep) {

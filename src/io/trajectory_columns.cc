@@ -37,16 +37,35 @@ int Meaning(const std::string& word) {
   return static_cast<int>(axis) + (rotation ? 4 : 1);
 }
 
-std::optional<PoseColumns> ByHeading(const std::vector<std::string>& heading) {
+// The names in a heading: between commas, or between blanks where there is no comma. Units in brackets are no part of
+// them.
+std::vector<std::string> NamesIn(const std::string& heading) {
+  std::string names;
+  int depth = 0;
+  for (const char c : heading) {
+    depth += c == '[' || c == '(' ? 1 : 0;
+    if (depth == 0) {
+      names += c;
+    }
+    depth -= c == ']' || c == ')' ? 1 : 0;
+  }
+  const std::string separators = names.find(',') == std::string::npos ? " \t" : ",";
+  std::vector<std::string> result;
+  std::size_t begin = names.find_first_not_of(separators);
+  while (begin != std::string::npos) {
+    const std::size_t end = std::min(names.find_first_of(separators, begin), names.size());
+    result.push_back(Plain(names.substr(begin, end - begin)));
+    begin = names.find_first_not_of(separators, end);
+  }
+  return result;
+}
+
+std::optional<PoseColumns> ByHeading(const std::string& heading) {
   PoseColumns columns{};
   std::array<bool, 8> found{};
-  std::size_t column = 0;
-  for (const std::string& word : heading) {
-    if (word.empty() || word.front() == '[' || word.front() == '(') {  // a unit, or the # that stood alone
-      continue;
-    }
-    const int meaning = Meaning(Plain(word));
-    if (meaning >= 0) {
+  const std::vector<std::string> names = NamesIn(heading);
+  for (std::size_t column = 0; column < names.size(); ++column) {
+    if (const int meaning = Meaning(names[column]); meaning >= 0) {
       const auto place = static_cast<std::size_t>(meaning);
       if (found[place]) {
         return std::nullopt;  // named twice: not certain
@@ -54,7 +73,6 @@ std::optional<PoseColumns> ByHeading(const std::vector<std::string>& heading) {
       found[place] = true;
       columns[place] = column;
     }
-    ++column;
   }
   return std::ranges::all_of(found, [](bool f) { return f; }) ? std::optional(columns) : std::nullopt;
 }

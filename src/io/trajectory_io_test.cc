@@ -100,8 +100,8 @@ TEST(TrajectoryIo, LeavesOutRowsWithoutAPoseAndSorts) {
 
 TEST(TrajectoryIo, FollowsAHeading) {
   const Trajectory euroc = Read(
-      "#timestamp [ns],p_RS_R_x [m],p_RS_R_y [m],p_RS_R_z [m],q_RS_w [],q_RS_x [],q_RS_y [],q_RS_z [],v_x [m]\n"
-      "1403636579763555584,1,2,3,0.6,0.8,0,0,9\n1403636579768555520,1,2,3,0.6,0.8,0,0,9\n");
+      "#timestamp [ns],p_RS_R_x [m],p_RS_R_y [m],p_RS_R_z [m],q_RS_w [],q_RS_x [],q_RS_y [],q_RS_z [],v x,v y,bw z\n"
+      "1403636579763555584,1,2,3,0.6,0.8,0,0,9,9,9\n1403636579768555520,1,2,3,0.6,0.8,0,0,9,9,9\n");
   ASSERT_EQ(euroc.size(), 2U);
   EXPECT_NEAR(euroc[0].timestamp_s, 1403636579.763555, 1e-6);
   EXPECT_NEAR(euroc[0].world_from_camera.rotation.w(), 0.6, 1e-12);
