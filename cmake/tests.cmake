@@ -55,17 +55,28 @@ foreach(folder base geometry optim feature map semantic tracking mapping loop ru
   endif()
 endforeach()
 
+# What tests/fuzz/fuzz.py feeds broken input to.
+add_executable(fuzz_driver ${PROJECT_SOURCE_DIR}/tests/fuzz/fuzz_driver.cc)
+target_link_libraries(fuzz_driver PRIVATE rds_core rds_flags)
+
 # rds_add_repository_test(NAME COMMAND...): exit code 77 says that it was skipped.
 function(rds_add_repository_test name)
   add_test(NAME repository.${name} COMMAND ${ARGN})
   set_tests_properties(repository.${name} PROPERTIES LABELS repository SKIP_RETURN_CODE 77 TIMEOUT 600)
 endfunction()
 
+find_package(Python3 3.8 REQUIRED COMPONENTS Interpreter)
+if(RDS_SANITIZE MATCHES "address" AND TARGET rds_program)
+  add_test(NAME repository.fuzz COMMAND ${PROJECT_SOURCE_DIR}/build/venv/bin/python
+    ${PROJECT_SOURCE_DIR}/tests/fuzz/fuzz.py $<TARGET_FILE:fuzz_driver> $<TARGET_FILE:rds_program>
+    --keep ${PROJECT_BINARY_DIR}/fuzz_failures)
+  set_tests_properties(repository.fuzz PROPERTIES LABELS repository SKIP_RETURN_CODE 77 TIMEOUT 900 RUN_SERIAL ON)
+endif()
 if(NOT RDS_SANITIZE)
-  find_package(Python3 3.8 REQUIRED COMPONENTS Interpreter)
   rds_add_repository_test(layering ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/tests/layering_test.py)
   rds_add_repository_test(test_summary ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/tests/summarize_tests_test.py)
   rds_add_repository_test(scripts ${PROJECT_SOURCE_DIR}/tests/scripts_test.sh)
+  rds_add_repository_test(processor ${PROJECT_SOURCE_DIR}/tests/processor_test.sh ${CMAKE_CXX_COMPILER})
   if(TARGET rds_program)
     rds_add_repository_test(run_path ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/tests/run_path_test.py
       ${PROJECT_BINARY_DIR})

@@ -123,16 +123,23 @@ std::size_t SkipScan(const std::filesystem::path& path, std::string_view view, s
   }
 }
 
-// JPEG (ITU-T T.81, annex B): segments of marker, length and data; scans follow SOS; EOI ends the file.
+// JPEG (ITU-T T.81, annex B): segments of marker, length and data, one right after the other; scans follow SOS; EOI
+// ends the file.
 ImageHeader InspectJpeg(const std::filesystem::path& path, std::string_view view) {
   ImageHeader header;
   header.format = ImageFormat::kJpeg;
   std::size_t at = 2;
+  bool in_scan = false;
   for (;;) {
-    at = SkipScan(path, view, at);  // also finds the next marker where no scan is under way
+    const std::size_t next = SkipScan(path, view, at);
+    const bool filled = view.substr(at, next - at).find_first_not_of('\xFF') == std::string_view::npos;
+    at = next;
     const std::uint8_t marker = Byte(view, at++);
     if (marker == 0xD9) {
       return header;
+    }
+    if (marker < 0xC0 || marker == 0xD8 || (!in_scan && !filled)) {
+      throw Damaged(path);
     }
     if (at + 2 > view.size() || Read16(view, at) > view.size() - at) {
       throw Truncated(path);
@@ -147,7 +154,12 @@ ImageHeader InspectJpeg(const std::filesystem::path& path, std::string_view view
       header.height = static_cast<int>(Read16(view, at + 3));
       header.width = static_cast<int>(Read16(view, at + 5));
       header.channels = Byte(view, at + 7);
+      if (header.channels != 1 && header.channels != 3) {
+        throw InputError(path.string() + ": a JPEG image of " + std::to_string(header.channels) +
+                         " channels, which is not read; convert it to PNG");
+      }
     }
+    in_scan = marker == 0xDA;
     at += length;
   }
 }

@@ -29,6 +29,9 @@ struct ImageHeader {
 // file that is empty, of no format that is read (with what to do), truncated or damaged. Stateless.
 ImageHeader InspectImage(const std::filesystem::path& path, std::string& bytes);
 
+// The header of TIFF bytes.
+ImageHeader InspectTiff(const std::filesystem::path& path, std::string_view bytes);
+
 // The same for the formats beside PNG and JPEG; nothing for bytes that are none of them.
 std::optional<ImageHeader> InspectOtherImage(const std::filesystem::path& path, std::string_view bytes);
 

@@ -1,56 +1,15 @@
 // Headers of the image formats beside PNG and JPEG.
 #include <array>
 #include <charconv>
-#include <cstring>
 #include <limits>
 #include <string_view>
 
 #include "base/error.h"
 #include "io/image_bytes.h"
+#include "io/image_numbers.h"
 
 namespace rds {
 namespace {
-
-InputError OfImage(const std::filesystem::path& path, const std::string& what) {
-  return InputError(path.string() + ": " + what);
-}
-InputError CutShort(const std::filesystem::path& path) {
-  return OfImage(path, "the image file is truncated; fetch or copy it again");
-}
-InputError Broken(const std::filesystem::path& path) {
-  return OfImage(path, "the image file is damaged; fetch or copy it again");
-}
-
-// Unsigned numbers of a file, from a position that must lie in it.
-class Numbers {
- public:
-  Numbers(const std::filesystem::path& path, std::string_view bytes, bool big_endian)
-      : path_(path), bytes_(bytes), big_endian_(big_endian) {}
-
-  [[nodiscard]] std::uint32_t At(std::size_t at, std::size_t size) const {
-    if (at > bytes_.size() || size > bytes_.size() - at) {
-      throw CutShort(path_);
-    }
-    std::uint32_t value = 0;
-    for (std::size_t i = 0; i < size; ++i) {
-      const std::size_t byte = big_endian_ ? i : size - 1 - i;
-      value = (value << 8U) | static_cast<std::uint8_t>(bytes_[at + byte]);
-    }
-    return value;
-  }
-  [[nodiscard]] std::uint32_t U16(std::size_t at) const { return At(at, 2); }
-  [[nodiscard]] std::uint32_t U32(std::size_t at) const { return At(at, 4); }
-
- private:
-  const std::filesystem::path& path_;
-  std::string_view bytes_;
-  bool big_endian_;
-};
-
-int SideOf(std::uint32_t value) {
-  constexpr std::uint32_t kMost = 1U << 24U;  // the caller's bound is lower
-  return static_cast<int>(std::min(value, kMost));
-}
 
 void NeedBytes(const std::filesystem::path& path, const ImageHeader& header, std::size_t there) {
   const std::uint64_t wanted = static_cast<std::uint64_t>(header.width) * static_cast<std::uint64_t>(header.height) *
@@ -63,14 +22,19 @@ void NeedBytes(const std::filesystem::path& path, const ImageHeader& header, std
 
 // Binary PGM (P5) and PPM (P6): words with comments between them, one blank, pixels.
 ImageHeader InspectPnm(const std::filesystem::path& path, std::string_view bytes) {
+  constexpr std::string_view kBlanks = " \t\r\n";
+  if (bytes.size() < 3 || kBlanks.find(bytes[2]) == std::string_view::npos) {
+    throw Broken(path);
+  }
   std::size_t at = 2;
   const auto number = [&] {
-    while (at < bytes.size() && (std::strchr(" \t\r\n", bytes[at]) != nullptr || bytes[at] == '#')) {
+    while (at < bytes.size() && (kBlanks.find(bytes[at]) != std::string_view::npos || bytes[at] == '#')) {
       at = bytes[at] == '#' ? std::min(bytes.find('\n', at), bytes.size()) : at + 1;
     }
     int value = 0;
-    const auto [stop, error] = std::from_chars(bytes.data() + at, bytes.data() + bytes.size(), value);
-    if (error != std::errc{} || value <= 0) {
+    const char* const end = bytes.data() + bytes.size();
+    const auto [stop, error] = std::from_chars(bytes.data() + std::min(at, bytes.size()), end, value);
+    if (error != std::errc{} || value <= 0 || (stop != end && kBlanks.find(*stop) == std::string_view::npos)) {
       throw Broken(path);
     }
     at = static_cast<std::size_t>(stop - bytes.data());
@@ -101,87 +65,18 @@ ImageHeader InspectBmp(const std::filesystem::path& path, std::string_view bytes
   header.height = SideOf(static_cast<std::uint32_t>(std::abs(static_cast<std::int64_t>(height))));
   const std::uint32_t bits = numbers.U16(28);
   const std::uint32_t compression = numbers.U32(30);
-  if (numbers.U32(14) < 40 || numbers.U16(26) != 1 || (bits != 8 && bits != 24 && bits != 32) ||
-      !(compression == 0 || (compression == 3 && bits == 32))) {
+  const std::uint32_t kind = numbers.U32(14);  // by the size of its header
+  const std::uint32_t colors = std::min(numbers.U32(46), 256U);
+  const std::uint32_t masks = compression == 3 && kind == 40 ? 3 : 0;
+  const std::uint32_t between = bits == 8 ? (colors == 0 ? 256 : colors) : masks;  // words before the pixels
+  if ((kind != 40 && kind != 108 && kind != 124) || numbers.U16(26) != 1 || (bits != 8 && bits != 24 && bits != 32) ||
+      !(compression == 0 || (compression == 3 && bits == 32)) || pixels_at != 14 + kind + 4 * between) {
     throw OfImage(path, "a BMP image of a kind that is not read; convert it to PNG");
   }
   header.channels = bits == 8 ? 1 : static_cast<int>(bits / 8);
   const std::uint64_t row = (static_cast<std::uint64_t>(header.width) * bits + 31) / 32 * 4;
   if (pixels_at > bytes.size() || row * static_cast<std::uint64_t>(header.height) > bytes.size() - pixels_at) {
     throw CutShort(path);
-  }
-  return header;
-}
-
-// TIFF 6.0: header, then the first directory of tagged values.
-ImageHeader InspectTiff(const std::filesystem::path& path, std::string_view bytes) {
-  const Numbers numbers(path, bytes, bytes[0] == 'M');
-  if (numbers.U16(2) != 42) {
-    throw OfImage(path, "a BigTIFF image, which is not read; convert it to PNG");
-  }
-  const std::size_t directory = numbers.U32(4);
-  const std::size_t count = numbers.U16(directory);
-  ImageHeader header;
-  header.format = ImageFormat::kTiff;
-  header.bits = 1;
-  std::uint32_t sample_format = 1;
-  std::size_t offsets_at = 0;
-  std::size_t sizes_at = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::size_t at = directory + 2 + 12 * i;
-    const std::uint32_t type = numbers.U16(at + 2);
-    const std::uint32_t values = numbers.U32(at + 4);
-    const std::size_t size = type == 3 ? 2 : type == 4 ? 4 : 1;
-    const std::size_t value_at = values * size <= 4 ? at + 8 : numbers.U32(at + 8);
-    const auto value = [&](std::size_t k) { return numbers.At(value_at + k * size, size); };
-    switch (numbers.U16(at)) {
-      case 256:
-        header.width = SideOf(value(0));
-        break;
-      case 257:
-        header.height = SideOf(value(0));
-        break;
-      case 258:
-        header.bits = static_cast<int>(value(0));
-        break;
-      case 277:
-        header.channels = static_cast<int>(value(0));
-        break;
-      case 339:
-        sample_format = value(0);
-        break;
-      case 273:
-      case 324:  // strips or tiles
-        offsets_at = at;
-        break;
-      case 279:
-      case 325:
-        sizes_at = at;
-        break;
-      default:
-        break;
-    }
-  }
-  if (offsets_at == 0 || sizes_at == 0) {
-    throw Broken(path);
-  }
-  const auto entry = [&](std::size_t at, std::size_t k) -> std::uint64_t {
-    const std::size_t size = numbers.U16(at + 2) == 3 ? 2 : 4;
-    const std::uint32_t values = numbers.U32(at + 4);
-    return numbers.At((values * size <= 4 ? at + 8 : numbers.U32(at + 8)) + k * size, size);
-  };
-  const std::uint32_t pieces = numbers.U32(offsets_at + 4);
-  if (pieces == 0 || pieces != numbers.U32(sizes_at + 4)) {
-    throw Broken(path);
-  }
-  for (std::uint32_t k = 0; k < pieces; ++k) {
-    if (entry(offsets_at, k) + entry(sizes_at, k) > bytes.size()) {
-      throw CutShort(path);
-    }
-  }
-  header.is_float = sample_format == 3;
-  if (sample_format != 1 && !(header.is_float && header.bits == 32)) {
-    throw OfImage(path, "a TIFF image of a kind of numbers that is not read; convert it to 16-bit PNG");
   }
   return header;
 }
@@ -212,41 +107,39 @@ ImageHeader InspectWebp(const std::filesystem::path& path, std::string_view byte
   return header;
 }
 
-// NumPy's .npy: a dictionary in Python's words, then the array.
+// NumPy's .npy: a dictionary in Python's words, as NumPy writes it, filled up with blanks; then the array.
 ImageHeader InspectNpy(const std::filesystem::path& path, std::string_view bytes) {
   const Numbers numbers(path, bytes, false);
-  const bool first_version = numbers.At(6, 1) == 1;
-  const std::size_t text_at = first_version ? 10 : 12;
-  const std::size_t length = first_version ? numbers.U16(8) : numbers.U32(8);
+  const std::uint32_t version = numbers.At(6, 1);
+  const std::size_t text_at = version == 1 ? 10 : 12;
+  const std::size_t length = version == 1 ? numbers.U16(8) : numbers.U32(8);
   if (text_at > bytes.size() || length > bytes.size() - text_at) {
     throw CutShort(path);
   }
-  const std::string_view text = bytes.substr(text_at, length);
-  const auto after = [&](std::string_view key) {
-    const std::size_t at = text.find(key);
-    return at == std::string_view::npos ? std::string_view() : text.substr(at + key.size());
-  };
+  std::string_view text = bytes.substr(text_at, length);
+  text = text.substr(0, text.find_last_not_of(" \n") + 1);
+  constexpr std::string_view kBegin = "{'descr': '";
+  constexpr std::string_view kMiddle = "', 'fortran_order': False, 'shape': (";
+  const std::string_view type = text.substr(std::min(kBegin.size(), text.size()), 3);
+  const std::string_view shape = text.substr(std::min(kBegin.size() + type.size() + kMiddle.size(), text.size()));
   ImageHeader header;
   header.format = ImageFormat::kNpy;
-  header.data_at = text_at + length;
-  const std::string_view type = after("'descr': '").substr(0, 3);
+  const char* const end = shape.data() + shape.size();
+  const char* const width_at = std::min(std::from_chars(shape.data(), end, header.height).ptr + 2, end);
+  std::from_chars(width_at, end, header.width);
+  const std::string as_written = std::string(kBegin) + std::string(type) + std::string(kMiddle) +
+                                 std::to_string(header.height) + ", " + std::to_string(header.width) + "), }";
   header.big_endian = type.starts_with('>');
   header.is_float = type.ends_with("f4") || type.ends_with("f8");
   header.bits = type.ends_with("f8") ? 64 : type.ends_with("f4") ? 32 : 16;
-  if (!(header.is_float || type.ends_with("u2")) || !after("'fortran_order': ").starts_with("False")) {
-    throw OfImage(path, "a NumPy array of a kind that is not read: float32, float64 (metres) or uint16, by rows");
+  const bool known = (type.starts_with('<') || type.starts_with('>')) && (header.is_float || type.ends_with("u2"));
+  if (version < 1 || version > 3 || numbers.At(7, 1) != 0 || !known || text != as_written || header.width <= 0 ||
+      header.height <= 0) {
+    throw OfImage(path,
+                  "a NumPy array of a kind that is not read: wanted is one of height x width, by rows, of float32, "
+                  "float64 (metres) or uint16");
   }
-  const std::string_view shape = after("'shape': (");
-  const char* const end = shape.data() + shape.size();
-  const auto [comma, first_error] = std::from_chars(shape.data(), end, header.height);
-  if (first_error != std::errc{} ||
-      std::string_view(comma, static_cast<std::size_t>(end - comma)).substr(0, 2) != ", ") {
-    throw OfImage(path, "a NumPy array of height x width is wanted");
-  }
-  const auto [stop, second_error] = std::from_chars(comma + 2, end, header.width);
-  if (second_error != std::errc{} || stop == end || *stop != ')' || header.width <= 0 || header.height <= 0) {
-    throw OfImage(path, "a NumPy array of height x width is wanted");
-  }
+  header.data_at = text_at + length;
   NeedBytes(path, header, bytes.size() - header.data_at);
   return header;
 }

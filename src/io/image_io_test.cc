@@ -180,7 +180,7 @@ TEST(ImageIo, FloatingPointDepthIsMetres) {
     EXPECT_NE(ErrorOf(ReadDepth, npy.substr(0, size)), "") << size;
   }
   npy.replace(npy.find("f4"), 2, "c8");
-  EXPECT_THAT(ErrorOf(ReadDepth, npy), HasSubstr("float32, float64 (metres) or uint16"));
+  EXPECT_THAT(ErrorOf(ReadDepth, npy), HasSubstr("of float32, float64 (metres) or uint16"));
 }
 
 TEST(ImageIo, SaysWhatToDoWithWhatIsNotRead) {

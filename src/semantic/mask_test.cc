@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <opencv2/imgproc.hpp>
 
 #include "base/error.h"
@@ -139,6 +140,16 @@ TEST(MaskTest, UnusableMasksAreNamed) {
   Image8 cut(64, 48);
   cut.data.resize(10);
   EXPECT_TRUE(MaskProblem(cut, 64, 48, 0.95));
+}
+
+TEST(ClassProbability, RefusesWhatIsNotFinite) {
+  const std::vector<int> labels = {1};
+  for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+    const std::vector<float> logits = {0, 1, 2, bad};  // two cells of two classes
+    EXPECT_THROW(static_cast<void>(ClassProbability(logits, 2, 2, ChannelOrder::kLast, labels)), InputError);
+  }
+  const std::vector<float> masked = {0, -std::numeric_limits<float>::infinity()};
+  EXPECT_EQ(ClassProbability(masked, 1, 2, ChannelOrder::kLast, labels).at(0), 0) << "a class that is ruled out";
 }
 
 }  // namespace

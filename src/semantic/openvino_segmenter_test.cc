@@ -42,6 +42,15 @@ constexpr const char* kChannelNetwork = R"(<?xml version="1.0"?>
 <edge from-layer="2" from-port="1" to-layer="3" to-port="0"/>
 </edges></net>)";
 
+// An ONNX file whose network hands its three channels through a ReLU, at any height, width and batch.
+const std::string kOpenSizeOnnx(
+    "\x08\x08\x12\x00\x3A\x63\x0A\x15\x0A\x05\x69\x6D\x61\x67\x65\x12\x06\x73\x63\x6F\x72\x65\x73\x22"
+    "\x04\x52\x65\x6C\x75\x12\x01\x67\x5A\x22\x0A\x05\x69\x6D\x61\x67\x65\x12\x19\x0A\x17\x08\x01\x12"
+    "\x13\x0A\x03\x12\x01\x6E\x0A\x02\x08\x03\x0A\x03\x12\x01\x68\x0A\x03\x12\x01\x77\x62\x23\x0A\x06"
+    "\x73\x63\x6F\x72\x65\x73\x12\x19\x0A\x17\x08\x01\x12\x13\x0A\x03\x12\x01\x6E\x0A\x02\x08\x03\x0A"
+    "\x03\x12\x01\x68\x0A\x03\x12\x01\x77\x42\x04\x0A\x00\x10\x0D",
+    111);
+
 class OpenVinoSegmenterTest : public testing::Test {
  protected:
   void SetUp() override {
@@ -188,6 +197,25 @@ TEST_F(OpenVinoSegmenterTest, OutputsThatDoNotFitTheDescriptionAreNamed) {
     EXPECT_THAT(ErrorOf([&] { std::ignore = Segment(*segmenter, {image}); }), HasSubstr("channels.xml")) << yaml;
   }
   EXPECT_THAT(ErrorOf([&] { std::ignore = Channels("input: {layout: NHWC}"); }), HasSubstr("three channels"));
+}
+
+TEST_F(OpenVinoSegmenterTest, ANetworkOfOpenSizeTakesTheOneGiven) {
+  const std::string path = Write("open.onnx", kOpenSizeOnnx);
+  Write("open.onnx.yaml", "input: {size: [24, 32]}\noutput: {labels: [0], threshold: 0.5}\n");
+  const auto segmenter = MakeOpenVinoSegmenter(LoadSegmentationModel(path), {});
+  const Image8 mask = Segment(*segmenter, {Halves(kRed, kBlue), Halves(kBlue, kRed)}).at(0);
+  EXPECT_EQ(mask.At(10, 20), 255);
+  EXPECT_EQ(mask.At(54, 20), 0);
+  Write("open.onnx.yaml", "output: {labels: [0]}\n");
+  const std::string error = ErrorOf([&] { std::ignore = MakeOpenVinoSegmenter(LoadSegmentationModel(path), {}); });
+  EXPECT_THAT(error, HasSubstr("the network leaves its input size open"));
+  EXPECT_THAT(error, HasSubstr("give it under input.size of " + path + ".yaml"));
+}
+
+TEST_F(OpenVinoSegmenterTest, OutputThatIsNotFiniteIsAFailure) {
+  const auto segmenter =
+      Channels("input: {scale: [1.0e-40, 1.0e-40, 1.0e-40]}\noutput: {tensor: scores, labels: [0]}\n");
+  EXPECT_THAT(ErrorOf([&] { std::ignore = Segment(*segmenter, {Halves(kRed, kBlue)}); }), HasSubstr("is not finite"));
 }
 
 TEST_F(OpenVinoSegmenterTest, ThoseThatAreCancelledAnswerNothing) {
