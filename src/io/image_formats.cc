@@ -91,6 +91,10 @@ ImageHeader InspectWebp(const std::filesystem::path& path, std::string_view byte
   header.format = ImageFormat::kWebp;
   header.channels = 3;
   const std::string_view kind = bytes.substr(12, 4);
+  const std::uint64_t chunk = numbers.U32(16);
+  if (kind != "VP8X" && chunk + chunk % 2 + 12 != numbers.U32(4)) {  // it is all that the file holds
+    throw Broken(path);
+  }
   if (kind == "VP8 ") {
     header.width = SideOf(numbers.U16(26) & 0x3FFFU);
     header.height = SideOf(numbers.U16(28) & 0x3FFFU);

@@ -73,10 +73,10 @@ class BundleEquations {
     std::uint32_t point = 0;
     std::uint32_t first_term = 0;  // its terms and links end where the next landmark's begin
     std::uint32_t first_link = 0;
-    Eigen::Matrix3d hessian;
-    Eigen::Vector3d gradient;
-    Eigen::Matrix3d inverse_root;  // L^-1
-    Eigen::Vector3d whitened;      // L^-1 gradient
+    Eigen::Matrix3d hessian = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
+    Eigen::Matrix3d inverse_root = Eigen::Matrix3d::Zero();  // L^-1
+    Eigen::Vector3d whitened = Eigen::Vector3d::Zero();      // L^-1 gradient
   };
 
   struct FreePose {

@@ -268,7 +268,7 @@ class Fuzzer:
         self.counts = collections.Counter()
         self.failures = []
         self.lock = threading.Lock()
-        self.environment = {**os.environ, "RDS_CACHE": "/nowhere", "RDS_WEIGHTS": "",
+        self.environment = {**os.environ, "RDS_CACHE": str(work / "cache"), "RDS_WEIGHTS": "",
                             "ASAN_OPTIONS": os.environ.get("ASAN_OPTIONS", "") + ":exitcode=99:allocator_may_return_null=0",
                             "UBSAN_OPTIONS": os.environ.get("UBSAN_OPTIONS", "") + ":exitcode=99"}
 
