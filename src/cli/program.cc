@@ -10,6 +10,7 @@
 #include <new>
 #include <ostream>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "base/error.h"
@@ -129,6 +130,11 @@ int RunProgram(CLI::App& app, int argc, const char* const* argv, std::ostream& o
              "sequence (--frames)\n";
     return 1;
   } catch (const std::exception& bug) {
+    if (const auto* system = dynamic_cast<const std::system_error*>(&bug);
+        system != nullptr && system->code() == std::errc::resource_unavailable_try_again) {
+      error << "rds: error: no thread can be started; allow more processes (ulimit -u) or memory\n";
+      return 1;
+    }
     error << "rds: bug: " << bug.what() << "\nThis should not happen, whatever the input; please report it.\n";
     return 2;
   }

@@ -3,7 +3,10 @@
 #include <gmock/gmock.h>
 
 #include <CLI/CLI.hpp>
+#include <cerrno>
+#include <new>
 #include <sstream>
+#include <system_error>
 
 #include "base/error.h"
 
@@ -123,6 +126,16 @@ TEST_F(ProgramTest, ReportsBugs) {
   action_ = [] { Check(false, "never"); };
   EXPECT_EQ(Run({"run", "kitchen", "--out", "d"}), 2);
   EXPECT_THAT(stderr_.str(), AllOf(HasSubstr("rds: bug: "), HasSubstr("program_test.cc"), HasSubstr("never")));
+}
+
+TEST_F(ProgramTest, WantOfMemoryOrThreadsIsNoBug) {
+  action_ = [] { throw std::bad_alloc(); };
+  EXPECT_EQ(Run({"run", "kitchen", "--out", "d"}), 1);
+  EXPECT_THAT(stderr_.str(), HasSubstr("rds: error: out of memory"));
+  stderr_.str("");
+  action_ = [] { throw std::system_error(EAGAIN, std::generic_category()); };
+  EXPECT_EQ(Run({"run", "kitchen", "--out", "d"}), 1);
+  EXPECT_THAT(stderr_.str(), HasSubstr("rds: error: no thread can be started"));
 }
 
 TEST_F(ProgramTest, LeavesWithTheCodeAskedFor) {

@@ -111,6 +111,40 @@ TEST(Map, FusedPointsResolveToTheSurvivor) {
   EXPECT_FALSE(pair.map.Resolve(extra).valid());
 }
 
+// As in a long run: keyframes come and go, and with them their points, many times as many as the table has ids.
+TEST(Map, IdsOfPointsOutliveTheirTable) {
+  constexpr std::size_t kPages = 16;
+  Map map(ScalePyramid(), kPages);
+  const KeyframeId root = AddKeyframe(map, 0);
+  const PointId first = map.AddPoint({0, 0, 2}, root, 0).id;
+  PointId newest = first;
+  std::size_t given = 1;
+  std::size_t most_freed = 0;
+  for (std::uint32_t frame = 1; given < 20 * kPages * kIdsPerPage; ++frame) {
+    const KeyframeId keyframe = AddKeyframe(map, frame);
+    map.AddSighting(first, keyframe, 0);
+    map.UpdateCovisibility(keyframe);
+    PointId fused;
+    for (std::uint32_t i = 1; i < 100; ++i, ++given) {
+      const PointId point = map.AddPoint({0.01 * i, 0, 2}, keyframe, i).id;
+      ASSERT_GT(point, newest);
+      newest = point;
+      if (i == 50) {
+        fused = point;
+      }
+    }
+    map.Fuse(fused, newest);
+    ASSERT_EQ(map.Resolve(fused), newest);
+    map.EraseKeyframe(keyframe);
+    ASSERT_FALSE(map.Resolve(newest).valid());
+    most_freed = std::max(most_freed, map.TakeFreedPointPages().size());
+  }
+  EXPECT_GT(newest.index(), 20 * kPages * kIdsPerPage);
+  EXPECT_EQ(map.point_count(), 1U);
+  EXPECT_EQ(map.Points(), std::vector<PointId>{first});
+  EXPECT_LE(most_freed, 2U) << "what is dead is given back at once";
+}
+
 TEST(Map, AnErasedKeyframeHangsOnItsParent) {
   Pair pair(20);
   const KeyframeId c = AddKeyframe(pair.map, 9, 0.3);

@@ -1,13 +1,14 @@
 #include "testing/synthetic_sequence.h"
 
+#include <fcntl.h>
 #include <spdlog/fmt/fmt.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
 #include <deque>
-#include <fstream>
 #include <future>
 #include <opencv2/imgcodecs.hpp>
 #include <string>
@@ -24,13 +25,20 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// Not through a link: it may be somebody else's.
 void WriteBytes(const fs::path& path, const std::vector<unsigned char>& bytes) {
-  errno = 0;
-  std::ofstream file(path, std::ios::binary | std::ios::trunc);
-  file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  file.close();
-  if (!file) {
-    throw InputError(path.string() + ": cannot be written: " + (errno != 0 ? std::strerror(errno) : "unknown reason") +
+  const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0666);
+  int error = file < 0 ? errno : 0;
+  for (std::size_t done = 0; error == 0 && done < bytes.size();) {
+    const ssize_t count = write(file, bytes.data() + done, bytes.size() - done);
+    error = count < 0 && errno != EINTR ? errno : 0;
+    done += static_cast<std::size_t>(std::max<ssize_t>(count, 0));
+  }
+  if (file >= 0 && close(file) != 0 && error == 0) {
+    error = errno;
+  }
+  if (error != 0) {
+    throw InputError(path.string() + ": cannot be written: " + std::strerror(error) +
                      "; choose another --out folder or make room");
   }
 }
@@ -55,14 +63,6 @@ EncodedFrame RenderEncoded(const SyntheticWorld& world, int index) {
       {frame.rgbd.timestamp_s, frame.world_from_camera}};
 }
 
-void MakeFolder(const fs::path& path) {
-  std::error_code error;
-  fs::create_directories(path, error);
-  if (error) {
-    throw InputError(path.string() + ": cannot be created: " + error.message() + "; choose another --out folder");
-  }
-}
-
 }  // namespace
 
 void WriteSyntheticSequence(const SyntheticWorld& world, const fs::path& directory,
@@ -71,7 +71,7 @@ void WriteSyntheticSequence(const SyntheticWorld& world, const fs::path& directo
   constexpr std::array<const char*, 3> kFolders{"rgb", "depth", "mask"};
   std::array<std::string, 3> lists;
   for (std::size_t i = 0; i < kFolders.size(); ++i) {
-    MakeFolder(directory / kFolders[i]);
+    PrepareOutputFolder(directory / kFolders[i]);
     lists[i] = "# timestamp filename\n";
   }
   std::string associations;
