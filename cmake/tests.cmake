@@ -67,8 +67,7 @@ endfunction()
 
 find_package(Python3 3.8 REQUIRED COMPONENTS Interpreter)
 if(RDS_SANITIZE MATCHES "address" AND TARGET rds_program)
-  add_test(NAME repository.fuzz COMMAND ${PROJECT_SOURCE_DIR}/build/venv/bin/python
-    ${PROJECT_SOURCE_DIR}/tests/fuzz/fuzz.py $<TARGET_FILE:fuzz_driver> $<TARGET_FILE:rds_program>
+  add_test(NAME repository.fuzz COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/tests/fuzz/fuzz.py $<TARGET_FILE:fuzz_driver> $<TARGET_FILE:rds_program>
     --keep ${PROJECT_BINARY_DIR}/fuzz_failures)
   set_tests_properties(repository.fuzz PROPERTIES LABELS repository SKIP_RETURN_CODE 77 TIMEOUT 900 RUN_SERIAL ON)
 endif()

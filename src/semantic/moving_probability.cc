@@ -19,9 +19,9 @@ double FuseProbabilities(double a, double b, const MovingProbabilityOptions& opt
 MovingProbabilities::~MovingProbabilities() = default;
 
 MovingProbabilities::Page& MovingProbabilities::PageFor(std::uint32_t number) {
-  std::atomic<Page*>& place = pages_[number & mask_];
-  Page* page = place.load(std::memory_order_relaxed);
-  if (page != nullptr && page->number.load(std::memory_order_relaxed) == number) {
+  Place& place = places_[number & mask_];
+  Page* page = place.page.load(std::memory_order_relaxed);
+  if (page != nullptr && place.number.load(std::memory_order_relaxed) == number) {
     return *page;
   }
   if (page == nullptr) {  // else the place is taken over: the map gives a place only once all of its points are dead
@@ -31,18 +31,16 @@ MovingProbabilities::Page& MovingProbabilities::PageFor(std::uint32_t number) {
     page = unused_.back();
     unused_.pop_back();
   }
-  for (auto& value : page->values) {
+  for (auto& value : *page) {
     value.store(static_cast<float>(kUnknownProbability), std::memory_order_relaxed);
   }
-  page->number.store(number, std::memory_order_relaxed);
-  place.store(page, std::memory_order_release);
+  place.number.store(number, std::memory_order_relaxed);
+  place.page.store(page, std::memory_order_release);
   return *page;
 }
 
 void MovingProbabilities::Set(PointId id, double probability) {
-  PageFor(NumberOf(id))
-      .values[id.index() % kIdsPerPage]
-      .store(static_cast<float>(probability), std::memory_order_relaxed);
+  PageFor(NumberOf(id))[id.index() % kIdsPerPage].store(static_cast<float>(probability), std::memory_order_relaxed);
 }
 
 void MovingProbabilities::Release(std::span<const std::uint32_t> page_numbers) {
@@ -50,10 +48,10 @@ void MovingProbabilities::Release(std::span<const std::uint32_t> page_numbers) {
     --dying.calls_left;
   }
   while (!dying_.empty() && dying_.front().calls_left <= 0) {
-    std::atomic<Page*>& place = pages_[dying_.front().number & mask_];
-    Page* const page = place.load(std::memory_order_relaxed);
-    if (page != nullptr && page->number.load(std::memory_order_relaxed) == dying_.front().number) {
-      place.store(nullptr, std::memory_order_release);
+    Place& place = places_[dying_.front().number & mask_];
+    Page* const page = place.page.load(std::memory_order_relaxed);
+    if (page != nullptr && place.number.load(std::memory_order_relaxed) == dying_.front().number) {
+      place.page.store(nullptr, std::memory_order_release);
       unused_.push_back(page);
     }
     dying_.pop_front();

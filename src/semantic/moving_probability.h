@@ -47,17 +47,19 @@ enum class PointState : std::uint8_t { kStatic, kUnknown, kDynamic };
 class MovingProbabilities {
  public:
   // `pages`: as those of the map's points.
-  explicit MovingProbabilities(std::size_t pages = kIdPages) : pages_(std::bit_ceil(pages)), mask_(pages_.size() - 1) {}
+  explicit MovingProbabilities(std::size_t pages = kIdPages)
+      : places_(std::bit_ceil(pages)), mask_(places_.size() - 1) {}
   ~MovingProbabilities();
   MovingProbabilities(const MovingProbabilities&) = delete;
   MovingProbabilities& operator=(const MovingProbabilities&) = delete;
 
   // .5 for points never set, and for those whose page was released.
   [[nodiscard]] double Get(PointId id) const {
-    const Page* const page = pages_[NumberOf(id) & mask_].load(std::memory_order_acquire);
-    return page == nullptr || page->number.load(std::memory_order_relaxed) != NumberOf(id)
+    const Place& place = places_[NumberOf(id) & mask_];
+    const Page* const page = place.page.load(std::memory_order_acquire);
+    return page == nullptr || place.number.load(std::memory_order_relaxed) != NumberOf(id)
                ? kUnknownProbability
-               : static_cast<double>(page->values[id.index() % kIdsPerPage].load(std::memory_order_relaxed));
+               : static_cast<double>((*page)[id.index() % kIdsPerPage].load(std::memory_order_relaxed));
   }
   void Set(PointId id, double probability);
   // UpdateProbability in place.
@@ -72,9 +74,10 @@ class MovingProbabilities {
 
  private:
   // Never destroyed before the table, for a reader may be looking: what is released serves again.
-  struct Page {
-    std::atomic<std::uint32_t> number;
-    std::array<std::atomic<float>, kIdsPerPage> values;
+  using Page = std::array<std::atomic<float>, kIdsPerPage>;
+  struct Place {
+    std::atomic<Page*> page = nullptr;
+    std::atomic<std::uint32_t> number = 0;  // of the page
   };
   struct Dying {
     std::uint32_t number = 0;
@@ -84,7 +87,7 @@ class MovingProbabilities {
   static std::uint32_t NumberOf(PointId id) { return static_cast<std::uint32_t>(id.index() / kIdsPerPage); }
   [[nodiscard]] Page& PageFor(std::uint32_t number);
 
-  std::vector<std::atomic<Page*>> pages_;  // page n at n & mask_
+  std::vector<Place> places_;  // page n at n & mask_
   std::size_t mask_;
   std::vector<std::unique_ptr<Page>> made_;
   std::vector<Page*> unused_;

@@ -46,7 +46,7 @@ struct SlamResult {
   int lost_frames = 0;
   std::vector<double> local_ba_ms;  // one for each local bundle adjustment
   std::vector<LabelEvent> labels;   // in order of arrival
-  int segmentation_failures = 0;    // requests that threw, timed out or gave unusable masks
+  int segmentation_failures = 0;    // keyframes whose request threw or gave no usable mask
   int keyframes_left_unlabelled = 0;
   MapView map;
   int static_points = 0;

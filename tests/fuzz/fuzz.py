@@ -27,10 +27,13 @@ import threading
 import time
 import zlib
 
+TOOLS = pathlib.Path(__file__).resolve().parents[2] / "build" / "venv" / "bin" / "python"
 try:
     import numpy
     import PIL.Image
 except ImportError:
+    if TOOLS.exists() and pathlib.Path(sys.executable) != TOOLS:
+        os.execv(TOOLS, [TOOLS, *sys.argv])
     print("[  SKIPPED ] Pillow and NumPy, the judge of images, are not there (scripts/install_dependencies.sh --tests)")
     sys.exit(77)
 
