@@ -13,7 +13,6 @@
 #include "base/time.h"
 #include "cli/frame_source.h"
 #include "cli/interrupt.h"
-#include "eval/statistics.h"
 
 namespace rds {
 namespace {
@@ -21,7 +20,8 @@ namespace {
 // When frames are due: the first when the clock starts, the others as much later as they were recorded, but for pauses.
 class Schedule {
  public:
-  Schedule(double rate, const Dataset& dataset) : rate_(rate), pause_s_(PauseOf(dataset)) {}
+  Schedule(double rate, const Dataset& dataset)
+      : rate_(rate), pause_s_(std::max(kLongestPause_s, 5 * dataset.MedianIntervalS())) {}
 
   // Waits until a frame is due; returns how late it is, in milliseconds. Returns early when interrupted.
   double Wait(double timestamp_s) {
@@ -52,17 +52,8 @@ class Schedule {
  private:
   static constexpr double kLongestPause_s = 1;
 
-  // A step between frames that is longer than this is none of the camera's usual ones.
-  static double PauseOf(const Dataset& dataset) {
-    std::vector<double> steps;
-    for (std::size_t i = 1; i < dataset.size(); ++i) {
-      steps.push_back(dataset.frames()[i].timestamp_s - dataset.frames()[i - 1].timestamp_s);
-    }
-    return steps.empty() ? 0 : std::max(kLongestPause_s, 5 * Percentile(steps, 50));
-  }
-
   double rate_;
-  double pause_s_;
+  double pause_s_;  // a step that is longer is none of the camera's usual ones
   std::optional<double> last_s_;
   double due_s_ = 0;
   Stopwatch watch_;

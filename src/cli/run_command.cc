@@ -62,10 +62,8 @@ VideoOptions VideoOf(const RunArguments& arguments, const PlaySetup& setup) {
                                    setup.dataset.size()));
     }
   }
-  const std::vector<DatasetFrame>& frames = setup.dataset.frames();
-  if (frames.size() > 1) {
-    const double duration_s = frames.back().timestamp_s - frames.front().timestamp_s;
-    options.frames_per_s = std::clamp(static_cast<double>(frames.size() - 1) / duration_s, 1.0, 120.0);
+  if (const double interval_s = setup.dataset.MedianIntervalS(); interval_s > 0) {
+    options.frames_per_s = std::clamp(1 / interval_s, 1.0, 120.0);
   }
   options.wait = setup.play.rate == 0 || setup.options.system.lockstep;
   return options;

@@ -206,6 +206,19 @@ std::string Dataset::Name() const {
   return path.has_filename() ? path.filename().string() : path.parent_path().filename().string();
 }
 
+double Dataset::MedianIntervalS() const {
+  std::vector<double> intervals_s;
+  for (std::size_t i = 1; i < frames_.size(); ++i) {
+    intervals_s.push_back(frames_[i].timestamp_s - frames_[i - 1].timestamp_s);
+  }
+  if (intervals_s.empty()) {
+    return 0;
+  }
+  const auto middle = intervals_s.begin() + static_cast<std::ptrdiff_t>(intervals_s.size() / 2);
+  std::ranges::nth_element(intervals_s, middle);
+  return *middle;
+}
+
 std::string Dataset::Summary() const {
   std::string text = fmt::format("{}: {} frames", Name(), frames_.size());
   if (frames_.size() != all_frames_) {

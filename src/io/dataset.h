@@ -63,6 +63,9 @@ class Dataset {
   [[nodiscard]] std::size_t listed_color_images() const { return listed_color_images_; }
   [[nodiscard]] std::size_t color_images_without_depth() const { return color_images_without_depth_; }
 
+  // The usual time from one frame to the next; 0 for a single frame.
+  [[nodiscard]] double MedianIntervalS() const;
+
   // One sentence for the user: how many frames, and how many were left out and why.
   [[nodiscard]] std::string Summary() const;
 

@@ -66,6 +66,7 @@ TEST_F(DatasetTest, OpensAndLoads) {
   EXPECT_EQ(dataset.frames()[1].timestamp_s, 1.03);
   EXPECT_EQ(dataset.frames()[1].depth_timestamp_s, 1.035);
   EXPECT_EQ(dataset.color_images_without_depth(), 0U);
+  EXPECT_NEAR(dataset.MedianIntervalS(), 0.03, 1e-9);
   EXPECT_FALSE(dataset.HasMasks());
   ASSERT_TRUE(dataset.ground_truth());
   EXPECT_EQ(dataset.ground_truth()->size(), 3U);
