@@ -37,30 +37,34 @@ std::vector<double> TimesOf(const std::vector<DatasetFrame>& frames) {
   return times;
 }
 
-// Times in other units become seconds, and that is said.
-void ToSeconds(const fs::path& list, std::vector<ListedImage>& images) {
-  const TimeUnit unit = GuessTimeUnit(TimesOf(images), false);
-  if (unit == TimeUnit::kSeconds) {
-    return;
-  }
+// The unit of a sequence's times, by its colour images: they come one after the other, which masks need not. Says so
+// where it is not seconds.
+TimeUnit UnitOf(const fs::path& list, const std::vector<ListedImage>& color) {
+  const TimeUnit unit = GuessTimeUnit(TimesOf(color), false);
   if (unit == TimeUnit::kFrames) {
     log::info("{}: times are frame numbers; {:g} frames a second are assumed", list.string(), kFrameNumberRate_hz);
-  } else {
+  } else if (unit != TimeUnit::kSeconds) {
     log::info("{}: times are {}; results are in seconds", list.string(), NameOf(unit));
   }
+  return unit;
+}
+
+void ToSeconds(TimeUnit unit, std::vector<ListedImage>& images) {
   for (ListedImage& image : images) {
     image.timestamp_s *= SecondsIn(unit);
   }
 }
 
-std::vector<DatasetFrame> FramesOfPairs(const fs::path& list) {
+std::vector<DatasetFrame> FramesOfPairs(const fs::path& list, TimeUnit& unit) {
   std::vector<ListedImage> color;
   std::vector<ListedImage> depth;
   for (ListedPair& pair : ReadAssociations(list)) {
     color.push_back(std::move(pair.color));
     depth.push_back(std::move(pair.depth));
   }
-  ToSeconds(list, color);
+  unit = UnitOf(list, color);
+  ToSeconds(unit, color);
+  ToSeconds(unit, depth);
   std::vector<DatasetFrame> frames;
   frames.reserve(color.size());
   for (std::size_t i = 0; i < color.size(); ++i) {
@@ -79,13 +83,15 @@ fs::path NeedList(const fs::path& folder, std::initializer_list<const char*> nam
       folder.string(), *names.begin()));
 }
 
-std::vector<DatasetFrame> AssociateLists(const fs::path& folder, double max_difference_s, std::size_t& listed) {
+std::vector<DatasetFrame> AssociateLists(const fs::path& folder, double max_difference_s, std::size_t& listed,
+                                         TimeUnit& unit) {
   const fs::path color_list = NeedList(folder, {"rgb.txt", "color.txt"});
   const fs::path depth_list = NeedList(folder, {"depth.txt", "aligned_depth.txt"});
   std::vector<ListedImage> color = ReadImageList(color_list);
   std::vector<ListedImage> depth = ReadImageList(depth_list);
-  ToSeconds(color_list, color);
-  ToSeconds(depth_list, depth);
+  unit = UnitOf(color_list, color);
+  ToSeconds(unit, color);
+  ToSeconds(unit, depth);
   listed = color.size();
   std::vector<DatasetFrame> frames;
   frames.reserve(color.size());
@@ -102,9 +108,9 @@ std::vector<DatasetFrame> AssociateLists(const fs::path& folder, double max_diff
   return frames;
 }
 
-void AttachMasks(const fs::path& list, double max_difference_s, std::vector<DatasetFrame>& frames) {
+void AttachMasks(const fs::path& list, TimeUnit unit, double max_difference_s, std::vector<DatasetFrame>& frames) {
   std::vector<ListedImage> masks = ReadImageList(list);
-  ToSeconds(list, masks);
+  ToSeconds(unit, masks);
   for (const auto& [f, m] : AssociateByTime(TimesOf(frames), TimesOf(masks), max_difference_s)) {
     frames[f].mask_path = masks[m].path;
   }
@@ -173,16 +179,17 @@ Dataset Dataset::Open(const fs::path& folder, const DatasetOptions& options) {
   Dataset dataset;
   dataset.folder_ = folder;
   dataset.options_ = options;
+  TimeUnit unit = TimeUnit::kSeconds;
   if (const auto associations =
           FindFile(folder, {"associations.txt", "associate.txt", "association.txt", "associated.txt"})) {
-    dataset.frames_ = FramesOfPairs(*associations);
+    dataset.frames_ = FramesOfPairs(*associations, unit);
     dataset.listed_color_images_ = dataset.frames_.size();
   } else {
-    dataset.frames_ = AssociateLists(folder, options.max_difference_s, dataset.listed_color_images_);
+    dataset.frames_ = AssociateLists(folder, options.max_difference_s, dataset.listed_color_images_, unit);
   }
   dataset.color_images_without_depth_ = dataset.listed_color_images_ - dataset.frames_.size();
   if (const auto list = FindFile(folder, {"mask.txt"})) {
-    const auto attach = [&] { AttachMasks(*list, options.max_difference_s, dataset.frames_); };
+    const auto attach = [&] { AttachMasks(*list, unit, options.max_difference_s, dataset.frames_); };
     if (options.needs_masks) {
       attach();
       dataset.has_masks_ = true;

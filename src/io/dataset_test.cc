@@ -222,12 +222,16 @@ TEST_F(DatasetTest, TimesOfOtherUnitsBecomeSeconds) {
         "1700000000000000000 rgb/1.00.png 1700000000000000000 depth/1.00.png\n"
         "1700000000033000000 rgb/1.03.png 1700000000033000000 depth/1.03.png\n");
   EXPECT_NEAR(Open().frames()[1].timestamp_s, 1700000000.033, 1e-6);
+  EXPECT_NEAR(Open().frames()[1].depth_timestamp_s, 1700000000.033, 1e-6);
   std::filesystem::remove(folder_.path() / "associations.txt");
   Write("rgb.txt", "0 rgb/1.00.png\n1 rgb/1.03.png\n2 rgb/1.06.png\n");
   Write("depth.txt", "0 depth/1.00.png\n1 depth/1.03.png\n2 depth/1.06.png\n");
   Write("groundtruth.txt", "0 0 0 0 0 0 0 1\n1 0 0 0 0 0 0 1\n2 1 2 3 0 0 0 1\n");
   EXPECT_NEAR(Open().frames()[2].timestamp_s, 2.0 / 30, 1e-9);
   EXPECT_NEAR(Open().ground_truth()->back().timestamp_s, 2.0 / 30, 1e-9);
+  Write("mask/b.png", Png(CV_8UC1));
+  Write("mask.txt", "2 mask/b.png\n");  // one alone does not tell its unit
+  EXPECT_EQ(Open().frames()[2].mask_path.filename(), "b.png");
   Write("groundtruth.txt", "1 0 0 5 0 1 0 6 0 0 1 7\n1 0 0 5 0 1 0 6 0 0 1 7\n1 0 0 5 0 1 0 6 0 0 1 8\n");  // KITTI
   EXPECT_NEAR(Open().ground_truth()->back().timestamp_s, 2.0 / 30, 1e-9);
   EXPECT_EQ(Open().ground_truth()->back().world_from_camera.translation.z(), 8);

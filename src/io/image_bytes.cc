@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "base/error.h"
+#include "io/image_numbers.h"
 
 namespace rds {
 namespace {
@@ -55,13 +56,6 @@ std::uint32_t Crc32(std::string_view bytes) {
     crc = t[0][(crc ^ Byte(bytes, i)) & 0xFFU] ^ (crc >> 8);
   }
   return crc ^ 0xFFFFFFFFU;
-}
-
-InputError Truncated(const std::filesystem::path& path) {
-  return InputError(path.string() + ": the image file is truncated; fetch or copy it again");
-}
-InputError Damaged(const std::filesystem::path& path) {
-  return InputError(path.string() + ": the image file is damaged; fetch or copy it again");
 }
 
 ImageHeader ParsePngHeader(const std::filesystem::path& path, std::string_view data) {

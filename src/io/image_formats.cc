@@ -16,7 +16,7 @@ void NeedBytes(const std::filesystem::path& path, const ImageHeader& header, std
                                static_cast<std::uint64_t>(header.channels) *
                                static_cast<std::uint64_t>(header.bits / 8);
   if (wanted > there) {
-    throw CutShort(path);
+    throw Truncated(path);
   }
 }
 
@@ -24,7 +24,7 @@ void NeedBytes(const std::filesystem::path& path, const ImageHeader& header, std
 ImageHeader InspectPnm(const std::filesystem::path& path, std::string_view bytes) {
   constexpr std::string_view kBlanks = " \t\r\n";
   if (bytes.size() < 3 || kBlanks.find(bytes[2]) == std::string_view::npos) {
-    throw Broken(path);
+    throw Damaged(path);
   }
   std::size_t at = 2;
   const auto number = [&] {
@@ -35,7 +35,7 @@ ImageHeader InspectPnm(const std::filesystem::path& path, std::string_view bytes
     const char* const end = bytes.data() + bytes.size();
     const auto [stop, error] = std::from_chars(bytes.data() + std::min(at, bytes.size()), end, value);
     if (error != std::errc{} || value <= 0 || (stop != end && kBlanks.find(*stop) == std::string_view::npos)) {
-      throw Broken(path);
+      throw Damaged(path);
     }
     at = static_cast<std::size_t>(stop - bytes.data());
     return value;
@@ -76,7 +76,7 @@ ImageHeader InspectBmp(const std::filesystem::path& path, std::string_view bytes
   header.channels = bits == 8 ? 1 : static_cast<int>(bits / 8);
   const std::uint64_t row = (static_cast<std::uint64_t>(header.width) * bits + 31) / 32 * 4;
   if (pixels_at > bytes.size() || row * static_cast<std::uint64_t>(header.height) > bytes.size() - pixels_at) {
-    throw CutShort(path);
+    throw Truncated(path);
   }
   return header;
 }
@@ -85,7 +85,7 @@ ImageHeader InspectBmp(const std::filesystem::path& path, std::string_view bytes
 ImageHeader InspectWebp(const std::filesystem::path& path, std::string_view bytes) {
   const Numbers numbers(path, bytes, false);
   if (std::uint64_t{numbers.U32(4)} + 8 > bytes.size()) {
-    throw CutShort(path);
+    throw Truncated(path);
   }
   ImageHeader header;
   header.format = ImageFormat::kWebp;
@@ -93,7 +93,7 @@ ImageHeader InspectWebp(const std::filesystem::path& path, std::string_view byte
   const std::string_view kind = bytes.substr(12, 4);
   const std::uint64_t chunk = numbers.U32(16);
   if (kind != "VP8X" && chunk + chunk % 2 + 12 != numbers.U32(4)) {  // it is all that the file holds
-    throw Broken(path);
+    throw Damaged(path);
   }
   if (kind == "VP8 ") {
     header.width = SideOf(numbers.U16(26) & 0x3FFFU);
@@ -106,7 +106,7 @@ ImageHeader InspectWebp(const std::filesystem::path& path, std::string_view byte
     header.width = SideOf(numbers.At(24, 3) + 1);
     header.height = SideOf(numbers.At(27, 3) + 1);
   } else {
-    throw Broken(path);
+    throw Damaged(path);
   }
   return header;
 }
@@ -118,7 +118,7 @@ ImageHeader InspectNpy(const std::filesystem::path& path, std::string_view bytes
   const std::size_t text_at = version == 1 ? 10 : 12;
   const std::size_t length = version == 1 ? numbers.U16(8) : numbers.U32(8);
   if (text_at > bytes.size() || length > bytes.size() - text_at) {
-    throw CutShort(path);
+    throw Truncated(path);
   }
   std::string_view text = bytes.substr(text_at, length);
   text = text.substr(0, text.find_last_not_of(" \n") + 1);

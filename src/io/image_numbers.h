@@ -15,10 +15,10 @@ namespace rds {
 inline InputError OfImage(const std::filesystem::path& path, const std::string& what) {
   return InputError(path.string() + ": " + what);
 }
-inline InputError CutShort(const std::filesystem::path& path) {
+inline InputError Truncated(const std::filesystem::path& path) {
   return OfImage(path, "the image file is truncated; fetch or copy it again");
 }
-inline InputError Broken(const std::filesystem::path& path) {
+inline InputError Damaged(const std::filesystem::path& path) {
   return OfImage(path, "the image file is damaged; fetch or copy it again");
 }
 
@@ -30,7 +30,7 @@ class Numbers {
 
   [[nodiscard]] std::uint32_t At(std::size_t at, std::size_t size) const {
     if (at > bytes_.size() || size > bytes_.size() - at) {
-      throw CutShort(path_);
+      throw Truncated(path_);
     }
     std::uint32_t value = 0;
     for (std::size_t i = 0; i < size; ++i) {

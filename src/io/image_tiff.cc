@@ -93,7 +93,7 @@ ImageHeader InspectTiff(const std::filesystem::path& path, std::string_view byte
     const std::uint32_t type = numbers.U16(at + 2);
     const bool known = tag >= kFirstTag && tag < kFirstTag + entries.size();
     if (tag <= before || (known && type != kShort && type != kLong && type != kRational && type != kAscii)) {
-      throw Broken(path);  // readers differ in what they make of it
+      throw Damaged(path);  // readers differ in what they make of it
     }
     before = tag;
     if (known) {
@@ -129,20 +129,20 @@ ImageHeader InspectTiff(const std::filesystem::path& path, std::string_view byte
   }
   const auto& bits = entries[258 - kFirstTag];  // of each channel; they must agree
   if (!bits || static_cast<int>(bits->count()) != header.channels) {
-    throw Broken(path);
+    throw Damaged(path);
   }
   for (std::uint32_t i = 1; i < bits->count(); ++i) {
     if (static_cast<int>(bits->Value(i)) != header.bits) {
-      throw Broken(path);
+      throw Damaged(path);
     }
   }
   if (header.width <= 0 || header.height <= 0) {
-    throw Broken(path);
+    throw Damaged(path);
   }
   const auto height = static_cast<std::uint32_t>(header.height);
   const std::uint32_t rows = std::min(value(278, height), height);
   if (rows == 0 || offsets->count() != (height + rows - 1) / rows || sizes->count() != offsets->count()) {
-    throw Broken(path);
+    throw Damaged(path);
   }
   const std::uint64_t row_bytes = static_cast<std::uint64_t>(header.width) *
                                   static_cast<std::uint64_t>(header.channels) *
@@ -151,12 +151,12 @@ ImageHeader InspectTiff(const std::filesystem::path& path, std::string_view byte
     const std::uint64_t at = offsets->Value(k);
     const std::uint64_t size = sizes->Value(k);
     if (at + size > bytes.size()) {
-      throw CutShort(path);
+      throw Truncated(path);
     }
     const std::uint64_t wanted = row_bytes * std::min(rows, height - k * rows);
     if ((compression == kNone && size < wanted) ||
         (compression == kLzw && !UnpacksTo(bytes.substr(at, size), wanted))) {
-      throw Broken(path);
+      throw Damaged(path);
     }
   }
   return header;

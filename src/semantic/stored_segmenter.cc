@@ -59,8 +59,11 @@ std::vector<Image8> StoredSegmenter::Segment(std::span<const SegmentationInput> 
   if (!problems.empty() && problems.size() == inputs.size()) {
     throw InputError(fmt::format("{}", fmt::join(problems, "; ")));
   }
+  constexpr int kMostSaid = 5;  // a sequence may have masks for every other frame only
   for (const std::string& problem : problems) {
-    log::warn("{}", problem);
+    if (++said_ <= kMostSaid) {
+      log::warn("{}{}", problem, said_ == kMostSaid ? "; more are counted, not shown" : "");
+    }
   }
   return answer;
 }

@@ -51,6 +51,7 @@ class StoredSegmenter final : public Segmenter {
   std::mutex mutex_;
   std::condition_variable cancel_asked_;
   bool cancelled_ = false;  // under mutex_
+  int said_ = 0;            // problems logged; of the thread that calls Segment
 };
 
 }  // namespace rds
