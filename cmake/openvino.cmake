@@ -49,7 +49,7 @@ function(rds_add_openvino target)
     return()
   endif()
   set_source_files_properties(
-    ${PROJECT_SOURCE_DIR}/src/semantic/openvino_network.cc ${PROJECT_SOURCE_DIR}/src/semantic/openvino_segmenter.cc
+    ${PROJECT_SOURCE_DIR}/src/segmentation/openvino_network.cc ${PROJECT_SOURCE_DIR}/src/segmentation/openvino_segmenter.cc
     TARGET_DIRECTORY ${target} PROPERTIES COMPILE_DEFINITIONS RDS_WITH_OPENVINO SKIP_PRECOMPILE_HEADERS ON)
   if(TARGET TBB::tbb AND RDS_OPENVINO_FROM_WHEEL)
     # A direct dependency of each program, so that it is loaded before the libraries that OpenCV depends on.

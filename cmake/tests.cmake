@@ -7,7 +7,8 @@ set(RDS_TEST_ENVIRONMENT "RDS_EVO_PYTHON=${PROJECT_SOURCE_DIR}/build/venv/bin/py
 
 add_custom_target(rds_thread_tests)  # what is worth running under ThreadSanitizer
 set(pch_owner "")
-foreach(folder base geometry optim feature map semantic tracking mapping loop runtime system io eval cli testing)
+foreach(folder base geometry optim feature segmentation map semantic propagation tracking mapping loop runtime system
+    io eval synth cli)
   set(folder_tests ${test_sources})
   list(FILTER folder_tests INCLUDE REGEX "/src/${folder}/")
   if(NOT folder_tests)
@@ -19,7 +20,7 @@ foreach(folder base geometry optim feature map semantic tracking mapping loop ru
   if(folder STREQUAL "cli")
     target_link_libraries(${program} PRIVATE rds_cli)
   endif()
-  target_link_libraries(${program} PRIVATE $<TARGET_NAME_IF_EXISTS:rds_testing> rds_core rds_flags
+  target_link_libraries(${program} PRIVATE $<TARGET_NAME_IF_EXISTS:rds_synth> rds_core rds_flags
     nlohmann_json::nlohmann_json ${RDS_YAML_CPP} CURL::libcurl OpenSSL::Crypto
     opencv_core opencv_imgproc opencv_imgcodecs opencv_features2d opencv_calib3d
     GTest::gmock GTest::gtest_main)
@@ -33,7 +34,7 @@ foreach(folder base geometry optim feature map semantic tracking mapping loop ru
   endif()
   if(RDS_SANITIZE)  # few processes: scenes are rendered once in each, which is slow there
     set(shards 1)
-    if(folder STREQUAL "testing")
+    if(folder STREQUAL "synth")
       set(shards 2)
     endif()
     set(arguments "")
@@ -50,7 +51,7 @@ foreach(folder base geometry optim feature map semantic tracking mapping loop ru
     gtest_discover_tests(${program} TEST_PREFIX "${folder}." DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60
       PROPERTIES LABELS ${folder} TIMEOUT 600 ENVIRONMENT "${RDS_TEST_ENVIRONMENT}")
   endif()
-  if(folder MATCHES "^(runtime|semantic|system)$")
+  if(folder MATCHES "^(runtime|segmentation|semantic|system)$")
     add_dependencies(rds_thread_tests ${program})
   endif()
 endforeach()

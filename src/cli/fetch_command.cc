@@ -11,7 +11,7 @@
 #include "base/error.h"
 #include "base/suggest.h"
 #include "io/weights_fetch.h"
-#include "semantic/weights.h"
+#include "segmentation/weights.h"
 
 namespace rds {
 namespace {

@@ -7,7 +7,7 @@
 #include "io/camera_config.h"
 #include "io/depth_check.h"
 #include "io/options_yaml.h"
-#include "semantic/segmenter_factory.h"
+#include "segmentation/segmenter_factory.h"
 
 namespace rds {
 

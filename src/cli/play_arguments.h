@@ -11,7 +11,7 @@
 #include "cli/run_report.h"
 #include "geometry/camera.h"
 #include "io/dataset.h"
-#include "semantic/segmenter.h"
+#include "segmentation/segmenter.h"
 #include "system/options.h"
 
 namespace rds {

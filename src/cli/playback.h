@@ -11,7 +11,7 @@
 
 #include "geometry/camera.h"
 #include "io/dataset.h"
-#include "semantic/segmenter.h"
+#include "segmentation/segmenter.h"
 #include "system/frame.h"
 #include "system/options.h"
 #include "system/slam.h"

@@ -10,7 +10,7 @@
 #include "base/error.h"
 #include "cli/frame_source.h"
 #include "cli/interrupt.h"
-#include "testing/synthetic_sequence.h"
+#include "synth/synthetic_sequence.h"
 #include "testing/temporary_folder.h"
 
 namespace rds {

@@ -22,7 +22,7 @@
 #include "io/options_yaml.h"
 #include "io/text_table.h"
 #include "io/trajectory_io.h"
-#include "testing/synthetic_sequence.h"
+#include "synth/synthetic_sequence.h"
 #include "testing/temporary_folder.h"
 
 namespace rds {

@@ -8,7 +8,7 @@
 #include <random>
 
 #include "base/version.h"
-#include "semantic/openvino_segmenter.h"
+#include "segmentation/openvino_segmenter.h"
 
 namespace rds {
 

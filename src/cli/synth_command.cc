@@ -13,7 +13,7 @@
 #include "base/time.h"
 #include "cli/command.h"
 #include "io/atomic_file.h"
-#include "testing/synthetic_sequence.h"
+#include "synth/synthetic_sequence.h"
 
 namespace rds {
 namespace {

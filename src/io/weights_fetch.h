@@ -5,7 +5,7 @@
 #include <string>
 
 #include "io/download.h"
-#include "semantic/weights.h"
+#include "segmentation/weights.h"
 
 namespace rds {
 

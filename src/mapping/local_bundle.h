@@ -5,7 +5,7 @@
 
 #include "map/map.h"
 #include "optim/bundle_adjustment.h"
-#include "semantic/moving_probability.h"
+#include "map/moving_probability.h"
 
 namespace rds {
 

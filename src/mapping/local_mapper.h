@@ -6,7 +6,7 @@
 #include "map/keyframe_candidate.h"
 #include "map/map.h"
 #include "mapping/local_bundle.h"
-#include "semantic/moving_probability.h"
+#include "map/moving_probability.h"
 
 namespace rds {
 

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "base/error.h"
-#include "semantic/mask.h"
+#include "segmentation/mask.h"
 
 namespace rds {
 namespace {

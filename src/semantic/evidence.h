@@ -3,7 +3,7 @@
 
 #include "base/image.h"
 #include "map/map.h"
-#include "semantic/moving_probability.h"
+#include "map/moving_probability.h"
 
 namespace rds {
 

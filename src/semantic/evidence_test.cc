@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "semantic/mask.h"
+#include "segmentation/mask.h"
 #include "testing/view.h"
 
 namespace rds {

@@ -6,7 +6,7 @@
 
 #include "map/map.h"
 #include "optim/pose_optimizer.h"
-#include "semantic/moving_probability.h"
+#include "map/moving_probability.h"
 
 namespace rds {
 

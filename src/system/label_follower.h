@@ -10,7 +10,7 @@
 #include "runtime/bounded_queue.h"
 #include "runtime/published.h"
 #include "runtime/worker.h"
-#include "semantic/label_field.h"
+#include "propagation/label_field.h"
 
 namespace rds {
 

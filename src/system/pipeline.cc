@@ -9,8 +9,8 @@
 #include "base/log.h"
 #include "base/time.h"
 #include "semantic/evidence.h"
-#include "semantic/mask.h"
-#include "semantic/mask_completion.h"
+#include "segmentation/mask.h"
+#include "propagation/mask_completion.h"
 
 namespace rds {
 namespace {

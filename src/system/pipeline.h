@@ -13,7 +13,7 @@
 #include "runtime/guarded.h"
 #include "runtime/published.h"
 #include "semantic/backlog.h"
-#include "semantic/segmenter.h"
+#include "segmentation/segmenter.h"
 #include "system/options.h"
 #include "system/slam.h"
 

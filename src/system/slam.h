@@ -8,7 +8,7 @@
 
 #include "geometry/camera.h"
 #include "geometry/trajectory.h"
-#include "semantic/segmenter.h"
+#include "segmentation/segmenter.h"
 #include "system/frame.h"
 #include "system/options.h"
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "semantic/faulty_segmenter.h"
+#include "testing/fake_segmenter.h"
 #include "testing/small_world.h"
 
 namespace rds {

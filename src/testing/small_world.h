@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "geometry/alignment.h"
-#include "semantic/faulty_segmenter.h"
+#include "testing/fake_segmenter.h"
 #include "system/slam.h"
-#include "testing/synthetic_world.h"
+#include "synth/synthetic_world.h"
 
 namespace rds {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "map/local_map.h"
-#include "semantic/moving_probability.h"
+#include "map/moving_probability.h"
 
 namespace rds {
 

@@ -20,7 +20,7 @@
 #include "io/image_io.h"
 #include "io/options_yaml.h"
 #include "io/trajectory_io.h"
-#include "semantic/segmentation_model.h"
+#include "segmentation/segmentation_model.h"
 #include "system/slam.h"
 
 namespace rds {

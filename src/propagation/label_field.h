@@ -1,0 +1,102 @@
+// What is known of the surfaces that a frame sees, and how it is carried to the next frame.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "base/ids.h"
+#include "feature/frame_data.h"
+#include "propagation/free_space.h"
+#include "propagation/grid_warp.h"
+#include "propagation/surface_labels.h"
+
+namespace rds {
+
+struct LabelCarryOptions {
+  bool enabled = true;
+  int frame_cost_px = 4;  // a label is as if so much farther away with each frame that it is carried
+  SurfaceLabelOptions surface;
+};
+
+// Labels of the surfaces of one frame. Immutable once made.
+struct LabelField {
+  FrameId frame;
+  PinholeCamera camera;
+  Rigid3 camera_from_world;
+  DepthGrid grid;
+  std::vector<SurfaceLabel> labels;  // of each sample of the grid
+  std::vector<SampleMotion> motion;  // of each sample, for the extractor; empty if nothing moves
+};
+
+// Moving probability of each keypoint of a later frame of the same camera, by the labels of the surface that it lies
+// on; 1/2 where there is none. Surfaces are found again by their depth near the place where they would be if they kept
+// still, so that those of walking people are found, too; static ones hold at their place only. Looked up when asked
+// for. Immutable: safe to share.
+class KeypointProbabilities {
+ public:
+  // `later_from_field` is the motion of the camera.
+  KeypointProbabilities(std::shared_ptr<const LabelField> field, std::shared_ptr<const FrameData> later,
+                        const Rigid3& later_from_field, const SurfaceLabelOptions& options);
+
+  [[nodiscard]] double operator[](std::size_t keypoint) const;
+
+ private:
+  std::shared_ptr<const LabelField> field_;
+  std::shared_ptr<const FrameData> later_;
+  GridWarp field_from_later_;
+  SurfaceLabelOptions options_;
+};
+
+// 1 for each sample of a later frame's depth grid that lies on a surface called static, 0 elsewhere. Looks only at
+// every `step`-th sample in each direction, from step / 2 on. Otherwise like KeypointProbabilities. Re-entrant.
+[[nodiscard]] std::vector<std::uint8_t> StaticSamples(const LabelField& field, const FrameData& later,
+                                                      const Rigid3& later_from_field, int step);
+
+// Carries labels from frame to frame over the surfaces that depth images show, whatever moves, from the masks of
+// labelled keyframes to the frame of the moment: late ones over all frames since. What free space says is added to it.
+// Not thread-safe.
+class LabelCarrier {
+ public:
+  LabelCarrier(const LabelCarryOptions& options, const FreeSpaceOptions& space)
+      : options_(options), space_(space), surface_(options.surface) {}
+
+  // The field of the next frame. `views` are the newest labelled keyframes; each is carried here once.
+  [[nodiscard]] std::shared_ptr<const LabelField> Next(FrameId frame, const FrameData& data,
+                                                       const Rigid3& camera_from_world,
+                                                       std::span<const SeenView> views);
+
+ private:
+  static constexpr std::size_t kLongestHistory = 64;  // frames over which a late label is carried at most
+
+  struct Source {
+    std::int32_t sample = -1;  // none
+    bool moved = false;        // it was next to the place: only what is dynamic has gone there
+  };
+  struct Moment {
+    FrameId frame;
+    Rigid3 camera_from_world;
+    DepthGrid grid;
+    std::vector<Source> sources;  // of each sample, the sample of the moment before that shows the same surface
+  };
+
+  [[nodiscard]] static std::vector<Source> FindSources(const PinholeCamera& camera, const Moment& from,
+                                                       const Moment& to);
+  template <typename Value>
+  [[nodiscard]] static std::vector<Value> Carry(std::span<const Source> sources, std::span<const Value> values);
+  // The labels of a keyframe where its surfaces are now, over all frames since; empty if it is too long ago.
+  [[nodiscard]] std::vector<KeypointLabel> CarryFrom(const SeenView& view) const;
+  [[nodiscard]] int CostSince(FrameId then, FrameId now) const;  // px
+
+  LabelCarryOptions options_;
+  FreeSpaceOptions space_;
+  SurfaceLabels surface_;
+  std::deque<Moment> history_;        // ascending by frame
+  std::vector<SurfaceLabel> labels_;  // of the last moment
+  std::vector<FrameId> carried_;      // keyframes whose labels are on their way
+};
+
+}  // namespace rds

@@ -1,0 +1,250 @@
+#include "segmentation/segmentation_model.h"
+
+#include <spdlog/fmt/fmt.h>
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <optional>
+
+#include "base/error.h"
+#include "base/strict_yaml.h"
+
+namespace rds {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A mapping of the YAML file: typed access, errors that name file and key, and unknown keys refused.
+class Section {
+ public:
+  Section(std::string file, std::string name, const YAML::Node& node, std::initializer_list<const char*> keys)
+      : file_(std::move(file)),
+        name_(std::move(name)),
+        node_(node && node.IsNull() ? YAML::Node(YAML::NodeType::Undefined) : node) {  // nothing said: all by default
+    if (!node_) {
+      return;
+    }
+    if (!node_.IsMap()) {
+      throw InputError(fmt::format("{}: {} must be a mapping", file_, name_.empty() ? "the file" : name_));
+    }
+    for (const auto& entry : node_) {
+      const std::string& key = entry.first.Scalar();  // "" where it is no word
+      if (std::find(keys.begin(), keys.end(), key) == keys.end()) {
+        throw InputError(fmt::format("{}: unknown key '{}'; known: {}", file_, Path(key), fmt::join(keys, ", ")));
+      }
+    }
+  }
+
+  template <typename T>
+  void Read(const std::string& key, T& value, const char* wanted) const {
+    if (!node_ || !node_[key]) {
+      return;
+    }
+    try {
+      value = node_[key].template as<T>();
+    } catch (const YAML::Exception&) {
+      Refuse(key, wanted);
+    }
+  }
+
+  // Reads one of two words: true for the first.
+  void ReadChoice(const std::string& key, bool& is_first, const std::string& first, const std::string& second) const {
+    std::string word = is_first ? first : second;
+    const std::string wanted = first + " or " + second;
+    Read(key, word, wanted.c_str());
+    if (word != first && word != second) {
+      Refuse(key, wanted);
+    }
+    is_first = word == first;
+  }
+
+  void ReadOrder(const std::string& key, ChannelOrder& order) const {
+    bool first = order == ChannelOrder::kFirst;
+    ReadChoice(key, first, "NCHW", "NHWC");
+    order = first ? ChannelOrder::kFirst : ChannelOrder::kLast;
+  }
+
+  [[noreturn]] void Refuse(const std::string& key, const std::string& wanted) const {
+    throw InputError(fmt::format("{}: {} must be {}", file_, Path(key), wanted));
+  }
+
+  [[nodiscard]] YAML::Node Child(const char* key) const {
+    return node_ ? node_[key] : YAML::Node(YAML::NodeType::Undefined);
+  }
+
+ private:
+  [[nodiscard]] std::string Path(const std::string& key) const { return name_.empty() ? key : name_ + "." + key; }
+
+  std::string file_;
+  std::string name_;
+  YAML::Node node_;
+};
+
+bool AllFinite(const std::array<double, 2>& values) {
+  return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
+}
+
+void ReadInput(const Section& input, SegmentationModel& model) {
+  input.ReadOrder("layout", model.input_order);
+  std::array<int, 2> size = {model.input_height, model.input_width};
+  input.Read("size", size, "[height, width]");
+  if (size[0] < 0 || size[1] < 0 || size[0] > 8192 || size[1] > 8192 || (size[0] == 0) != (size[1] == 0)) {
+    input.Refuse("size", "[height, width], both positive, or both 0");
+  }
+  model.input_height = size[0];
+  model.input_width = size[1];
+  input.ReadChoice("color", model.input_is_rgb, "RGB", "BGR");
+  input.Read("mean", model.mean, "three numbers");
+  input.Read("scale", model.scale, "three numbers");
+  const auto usable = [](float v) { return std::isfinite(v); };
+  if (!std::all_of(model.mean.begin(), model.mean.end(), usable)) {
+    input.Refuse("mean", "three finite numbers");
+  }
+  if (!std::all_of(model.scale.begin(), model.scale.end(), [&](float v) { return usable(v) && v > 0; })) {
+    input.Refuse("scale", "three numbers above 0");
+  }
+}
+
+void ReadOutput(const Section& output, SegmentationModel& model) {
+  output.Read("tensor", model.output_tensor, "the name of a tensor");
+  bool logits = model.output == SegmentationModel::Output::kLogits;
+  output.ReadChoice("kind", logits, "logits", "labels");
+  model.output = logits ? SegmentationModel::Output::kLogits : SegmentationModel::Output::kLabels;
+  output.ReadOrder("layout", model.output_order);
+  output.Read("stride", model.stride, "[y, x] in pixels");
+  output.Read("offset", model.offset, "[y, x] in pixels");
+  if (!AllFinite(model.stride) || model.stride[0] < 0 || model.stride[1] < 0) {
+    output.Refuse("stride", "[y, x], 0 or more pixels");
+  }
+  if (!AllFinite(model.offset)) {
+    output.Refuse("offset", "[y, x] in pixels");
+  }
+  output.Read("labels", model.labels, "a list of class numbers");
+  if (model.labels.empty() || *std::min_element(model.labels.begin(), model.labels.end()) < 0) {
+    output.Refuse("labels", "a list of class numbers, at least one");
+  }
+  output.Read("threshold", model.threshold, "a number between 0 and 1");
+  if (!(model.threshold > 0 && model.threshold < 1)) {
+    output.Refuse("threshold", "between 0 and 1");
+  }
+  output.Read("unsure", model.unsure, "a number from 0 to the threshold");
+  if (!(model.unsure >= 0 && model.unsure <= model.threshold)) {
+    output.Refuse("unsure", "from 0 to the threshold");
+  }
+}
+
+void ReadYaml(const std::string& file, SegmentationModel& model) {
+  const YAML::Node root = ReadStrictYaml(file);
+  const Section top(file, "", root, {"input", "output", "ignore_rounding"});
+  ReadInput(Section(file, "input", top.Child("input"), {"layout", "size", "color", "mean", "scale"}), model);
+  ReadOutput(Section(file, "output", top.Child("output"),
+                     {"tensor", "kind", "layout", "stride", "offset", "labels", "threshold", "unsure"}),
+             model);
+  top.Read("ignore_rounding", model.ignore_rounding, "true or false");
+}
+
+std::string DescriptionOf(const std::string& weights) { return weights + ".yaml"; }
+
+// DeepLabV3 with MobileNetV2 on PASCAL VOC by Google: the published files and the float versions made from them. Their
+// thresholds are low, because a person that is missed costs SLAM more than a bit of wall that is masked.
+std::optional<SegmentationModel> BuiltIn(const std::string& file_name) {
+  SegmentationModel model;
+  if (file_name == "deeplabv3_mnv2_pascal_quant.tflite" || file_name == "deeplabv3_mnv2_dm05_pascal_quant.tflite") {
+    model.input_order = model.output_order = ChannelOrder::kLast;
+    // Published for 513 x 513; fully convolutional, so it runs at the shape of a camera's image and less than half the
+    // time, with the same masks.
+    model.input_height = 369;
+    model.input_width = 481;
+    model.output_tensor = "ResizeBilinear_1";
+    model.stride = {16, 16};
+    model.ignore_rounding = true;
+  } else if (file_name == "deeplabv3_mnv2_361x481.onnx" || file_name == "deeplabv3_mnv2_dm05_361x481.onnx") {
+    model.stride = {16, 16};
+    model.offset = {8, 0};  // 361 = 16 * 22 + 9: the last halving of the rows starts at the second one
+  } else if (file_name == "deeplabv3_mnv2_os8_481x641.onnx") {
+    model.stride = {8, 8};
+  } else {
+    return std::nullopt;
+  }
+  if (file_name.find("_dm05_") != std::string::npos) {
+    model.threshold = 0.2;  // the half-width network is less sure of people
+  }
+  return model;
+}
+
+}  // namespace
+
+ScoreGrid SegmentationModel::Grid(int network_height, int network_width, int output_height, int output_width) const {
+  const auto step = [](double given, int input, int cells) {
+    return given > 0 ? given : cells > 1 ? (input - 1.0) / (cells - 1.0) : static_cast<double>(input);
+  };
+  return {.width = output_width,
+          .height = output_height,
+          .stride_x = step(stride[1], network_width, output_width),
+          .stride_y = step(stride[0], network_height, output_height),
+          .offset_x = offset[1],
+          .offset_y = offset[0],
+          .input_width = network_width,
+          .input_height = network_height};
+}
+
+bool HasDescription(const std::string& weights) {
+  std::error_code error;
+  return fs::exists(DescriptionOf(weights), error) || BuiltIn(fs::path(weights).filename().string()).has_value();
+}
+
+SegmentationModel LoadSegmentationModel(const std::string& weights) {
+  std::error_code error;
+  if (!fs::is_regular_file(weights, error)) {
+    throw InputError(fmt::format(
+        "weights {}: no such file; fetch the published ones with `rds fetch weights`, or name others with --model",
+        weights));
+  }
+  if (fs::file_size(weights, error) == 0 || error) {
+    throw InputError(
+        fmt::format("weights {}: empty or unreadable; fetch them again with `rds fetch weights`", weights));
+  }
+  const std::string description = DescriptionOf(weights);
+  std::optional<SegmentationModel> model = BuiltIn(fs::path(weights).filename().string());
+  if (fs::exists(description, error)) {
+    model = SegmentationModel{};
+    ReadYaml(description, *model);
+  } else if (!model) {
+    throw InputError(
+        fmt::format("weights {}: nothing says what this network wants and gives; write {} (docs: the "
+                    "comment in src/segmentation/segmentation_model.h lists the keys)",
+                    weights, description));
+  }
+  model->weights = weights;
+  return *model;
+}
+
+std::string ToYaml(const SegmentationModel& model) {
+  const auto layout = [](ChannelOrder order) { return order == ChannelOrder::kFirst ? "NCHW" : "NHWC"; };
+  return fmt::format(
+      "input:\n"
+      "  layout: {}\n"
+      "  size: [{}, {}]\n"
+      "  color: {}\n"
+      "  mean: [{}]\n"
+      "  scale: [{}]\n"
+      "output:\n"
+      "  tensor: \"{}\"\n"
+      "  kind: {}\n"
+      "  layout: {}\n"
+      "  stride: [{}]\n"
+      "  offset: [{}]\n"
+      "  labels: [{}]\n"
+      "  threshold: {}\n"
+      "  unsure: {}\n"
+      "ignore_rounding: {}\n",
+      layout(model.input_order), model.input_height, model.input_width, model.input_is_rgb ? "RGB" : "BGR",
+      fmt::join(model.mean, ", "), fmt::join(model.scale, ", "), model.output_tensor,
+      model.output == SegmentationModel::Output::kLogits ? "logits" : "labels", layout(model.output_order),
+      fmt::join(model.stride, ", "), fmt::join(model.offset, ", "), fmt::join(model.labels, ", "), model.threshold,
+      model.unsure, model.ignore_rounding);
+}
+
+}  // namespace rds

@@ -1,0 +1,32 @@
+// Recipes for the textures of rooms, furniture and clothes. All sizes in metres.
+#pragma once
+
+#include "synth/canvas.h"
+
+namespace rds::synthetic {
+
+void PaintPlaster(Canvas& canvas, Random& random, const Colour& base);
+// Wallpaper of scattered leaves, rings and bars over plaster.
+void PaintWallpaper(Canvas& canvas, Random& random, const Colour& base);
+void PaintPlanks(Canvas& canvas, Random& random, const Colour& base, double plank_width, double plank_length);
+void PaintWood(Canvas& canvas, Random& random, const Colour& base);
+void PaintTiles(Canvas& canvas, Random& random, const Colour& base, double tile);
+void PaintRug(Canvas& canvas, Random& random);
+void PaintPoster(Canvas& canvas, Random& random);
+void PaintWindow(Canvas& canvas, Random& random);
+void PaintWhiteboard(Canvas& canvas, Random& random);
+void PaintScreen(Canvas& canvas, Random& random);
+void PaintKeyboard(Canvas& canvas, Random& random);
+void PaintBookshelf(Canvas& canvas, Random& random, const Colour& wood, double shelf_height);
+void PaintCabinet(Canvas& canvas, Random& random, const Colour& base, int columns, int rows);
+void PaintCarton(Canvas& canvas, Random& random);
+void PaintPaperwork(Canvas& canvas, Random& random, const Colour& wood);
+void PaintFabric(Canvas& canvas, Random& random, const Colour& base);
+void PaintCeiling(Canvas& canvas, Random& random);
+// Clothes, skin and hair, for wrapping round a body part.
+void PaintShirt(Canvas& canvas, Random& random);
+void PaintDenim(Canvas& canvas, Random& random);
+void PaintFace(Canvas& canvas, Random& random, const Colour& skin);
+void PaintSkin(Canvas& canvas, Random& random, const Colour& skin);
+
+}  // namespace rds::synthetic

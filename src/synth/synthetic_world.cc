@@ -1,0 +1,87 @@
+#include "synth/synthetic_world.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "base/error.h"
+#include "synth/camera_path.h"
+#include "synth/depth_sensor.h"
+#include "synth/mover.h"
+#include "synth/rasterizer.h"
+#include "synth/room.h"
+#include "synth/walk_planner.h"
+
+namespace rds {
+
+struct SyntheticWorld::Impl {
+  explicit Impl(const SyntheticOptions& options_)
+      : options(options_),
+        room(synthetic::BuildRoom(options_.seed, std::clamp(640.0 / options_.camera.width, 1.0, 2.5))),
+        path(options_.path, options_.seed),
+        movers(synthetic::PlanMovers(options_.scenario, ResolveMovers(options_), room, path,
+                                     (options_.frames - 1) / kSyntheticFrameRateHz, options_.seed)) {}
+
+  SyntheticOptions options;
+  synthetic::Room room;
+  synthetic::CameraPath path;
+  std::vector<synthetic::Mover> movers;
+};
+
+SyntheticWorld::SyntheticWorld(const SyntheticOptions& options) {
+  Validate(options);
+  impl_ = std::make_unique<Impl>(options);
+}
+
+SyntheticWorld::~SyntheticWorld() = default;
+SyntheticWorld::SyntheticWorld(SyntheticWorld&&) noexcept = default;
+
+const SyntheticOptions& SyntheticWorld::options() const { return impl_->options; }
+
+double SyntheticWorld::TimestampS(int index) const {
+  Check(index >= 0 && index < frame_count(), "frame of a synthetic world out of range");
+  return index / kSyntheticFrameRateHz;
+}
+
+Rigid3 SyntheticWorld::WorldFromCamera(int index) const { return impl_->path.WorldFromCamera(TimestampS(index)); }
+
+SyntheticFrame SyntheticWorld::Render(int index) const {
+  const double time_s = TimestampS(index);
+  const PinholeCamera& camera = impl_->options.camera;
+  SyntheticFrame frame;
+  frame.world_from_camera = WorldFromCamera(index);
+  synthetic::Scene scene = impl_->room.scene;
+  for (const synthetic::Mover& mover : impl_->movers) {
+    std::vector<synthetic::Capsule> body = mover.At(time_s);
+    scene.capsules.insert(scene.capsules.end(), std::make_move_iterator(body.begin()),
+                          std::make_move_iterator(body.end()));
+  }
+  synthetic::Drawing drawing = synthetic::Draw(scene, camera, frame.world_from_camera.Inverse());
+  const bool noise = impl_->options.noise;
+  const std::uint64_t seed = (impl_->options.seed * 0x9E3779B97F4A7C15ULL) ^ (static_cast<std::uint64_t>(index) << 20);
+  frame.rgbd.timestamp_s = time_s;
+  frame.rgbd.image = std::make_shared<const Image8>(
+      synthetic::MeasureColour(drawing.colour, camera, noise ? synthetic::kColourSigma : 0.0, seed));
+  frame.rgbd.depth = std::make_shared<const Image16>(noise ? synthetic::MeasureDepth(drawing.depth_m, camera, {}, seed)
+                                                           : synthetic::QuantiseDepth(drawing.depth_m, camera));
+  frame.mask = std::make_shared<const Image8>(std::move(drawing.mask));
+  return frame;
+}
+
+double SyntheticWorld::StaticClearanceM(int index) const {
+  return impl_->room.Clearance(WorldFromCamera(index).translation);
+}
+
+double SyntheticWorld::MoverClearanceM(int index) const {
+  const Eigen::Vector3d camera = WorldFromCamera(index).translation;
+  double clearance = std::numeric_limits<double>::infinity();
+  for (const synthetic::Mover& mover : impl_->movers) {
+    for (const synthetic::Capsule& part : mover.At(TimestampS(index))) {
+      clearance = std::min(clearance, synthetic::Distance(part, camera));
+    }
+  }
+  return clearance;
+}
+
+}  // namespace rds
