@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # RGB-D SLAM in dynamic scenes, from nothing to a trajectory.
 #
 #   ./demo.sh                        installs what is missing, builds, makes a synthetic room with people walking

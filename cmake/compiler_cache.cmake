@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # ccache, if it is there: a second build, or one in another clone, compiles only what changed.
 find_program(RDS_CCACHE ccache)
 if(RDS_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)

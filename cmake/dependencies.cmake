@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Finds every dependency, within the versions this project is tested with, and names all that is missing at once.
 # Lower bounds are those of Ubuntu 22.04, upper bounds the next version that may break the interface.
 

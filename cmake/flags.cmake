@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Compiler flags of this project's own code; never exported to those who use the library.
 add_library(rds_flags INTERFACE)
 target_compile_options(rds_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -fno-omit-frame-pointer)

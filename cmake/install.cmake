@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # `cmake --install`: the library with the headers that its public API needs, a CMake package, the program, the
 # camera files.
 include(CMakePackageConfigHelpers)

@@ -1,8 +1,9 @@
+# SPDX-License-Identifier: Apache-2.0
 # Finds the OpenVINO runtime and gives `rds_add_openvino(TARGET)`. Without it TARGET is built all the same, and says what
 # is missing when asked for the back end.
 #
 # RDS_OPENVINO: AUTO (use it where it is found), ON (it must be found), OFF. Under sanitizers AUTO means OFF: the runtime
-# is not instrumented, so its own synchronisation looks like races to ThreadSanitizer, and AddressSanitizer ends a
+# is not instrumented, so its own synchronization looks like races to ThreadSanitizer, and AddressSanitizer ends a
 # program that loads libraries as the runtime's libtbb does (RTLD_DEEPBIND).
 #
 # Looked for in build/deps/openvino of the source tree, where scripts/install_openvino.sh puts it, then wherever

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Where programs look for shared libraries: beside themselves, in the build tree as when installed, and nowhere else. No
 # empty or relative element (it means the current folder, where anybody may lay a library), no path into the build tree
 # in what is installed. So the run path is never changed at installation, and CMake has nothing to pad.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # One test program for each folder of src/ (FOLDER_test, label FOLDER), and the tests of the repository itself in tests/
 # (label repository).
 include(GoogleTest)

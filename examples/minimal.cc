@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Tracks images from memory: a camera slides 10 mm a frame along a wall of random tiles, 2 m away.
 #include <cstdio>
 #include <memory>
@@ -16,7 +17,7 @@ int main() {
   rds::Slam slam(camera, rds::Options{});
   for (int i = 0; i < 60; ++i) {
     auto image = std::make_shared<rds::Image8>(640, 480);
-    auto depth = std::make_shared<rds::Image16>(640, 480, 1, 2 * 5000);  // 5000 units a metre
+    auto depth = std::make_shared<rds::Image16>(640, 480, 1, 2 * 5000);  // 5000 units a meter
     for (int y = 0; y < 480; ++y) {
       for (int x = 0; x < 640; ++x) {
         image->At(x, y) = Brightness((x + 2 * i) / 14, y / 14);

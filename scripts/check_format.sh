@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # Checks (or with --fix mends) the formatting of all sources with the pinned clang-format.
 # Exit: 0 all is formatted, 1 something is not, 77 the pinned clang-format is not there.
 set -euo pipefail

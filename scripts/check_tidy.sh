@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # Runs clang-tidy over the sources as the dev preset compiles them.
 # Slow: a quarter of a minute a file. Exit: 0 clean, 1 findings, 77 the pinned clang-tidy is not to be had.
 set -euo pipefail

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # Installs what is missing to build and test: Debian 12, Ubuntu 22.04 and 24.04; as root or with sudo.
 # Quick when all is there. Where it cannot install, it says exactly what is wanted and exits with 1.
 #   scripts/install_dependencies.sh [--tests]     --tests: the Python tools of the tests as well (into build/venv)

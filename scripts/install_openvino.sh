@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # Installs the OpenVINO runtime (the PyPI wheel, pinned by version and digest, with C++ headers and CMake files) into
 # build/deps/openvino, or into the folder given. Needs python3 with pip. Nothing outside that folder is touched; a
 # second run does nothing. Wheels before 2026 are built with the old C++ ABI and do not link with OpenCV.

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Sums up the results of test.sh: a line for each suite, what failed, what was skipped and why, and the closing line.
 
 Reads FOLDER/*.xml (JUnit files by ctest) and FOLDER/other.tsv (suite, name, result, reason). Exit code 1 if anything

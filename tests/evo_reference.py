@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Figures of the evo package (https://pypi.org/project/evo, tested with 1.31.1 and 1.38.1) that `rds eval` must equal.
+# SPDX-License-Identifier: Apache-2.0
+"""Metrics of the evo package (https://pypi.org/project/evo, tested with 1.31.1 and 1.38.1) that `rds eval` must equal.
 
     evo_reference.py available              exit code 0 if evo can be imported
     evo_reference.py generate FOLDER SEED   write three pairs of trajectories: NAME_estimate.txt, NAME_truth.txt
@@ -81,7 +82,7 @@ def generate(folder, seed):
             (folder / f"{name}_{kind}.txt").write_text(text, encoding="utf-8")
 
 
-# --- Figures, by evo. ---
+# --- Metrics, by evo. ---
 
 def quiet_import():
     """Imports evo with its settings in a folder of no consequence."""

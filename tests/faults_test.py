@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Runs the program on bad input, in bad places, and ends it by signals: clear errors, and nothing half written.
 
     faults_test.py RDS input|signals|disk
@@ -146,9 +147,9 @@ class InputTest(FaultsTest):
                 ("rgb", lambda image: image[:len(image) // 2], "truncated"),
                 ("depth", lambda image: image[:-20], "truncated"),
                 ("rgb", lambda image: b"", "empty"),
-                ("depth", lambda image: png(160, 120, 16, 1, 5000), "160 x 120 pixels, its colour image"),
+                ("depth", lambda image: png(160, 120, 16, 1, 5000), "160 x 120 pixels, its color image"),
                 ("depth", lambda image: png(WIDTH, HEIGHT, 8, 1, 100), "a depth image of 8 bits"),
-                ("rgb", lambda image: png(WIDTH, HEIGHT, 16, 3, 100), "a colour image of 16 bits")):
+                ("rgb", lambda image: png(WIDTH, HEIGHT, 16, 3, 100), "a color image of 16 bits")):
             sequence = self.copy()
             broken = self.nth(sequence, kind, 20)
             broken.write_bytes(change(broken.read_bytes()))
@@ -240,7 +241,7 @@ class InputTest(FaultsTest):
         for image in (png(WIDTH // 2, HEIGHT // 2, 8, 1, 0), png(WIDTH, HEIGHT, 8, 1, 255), b"rubbish", b""):
             report, said = self.finishes("mask", slice(None), image, *stored)
             self.assertEqual(report["tracked"], FRAMES)
-            self.assertEqual(report["semantics"]["keyframes_labelled"], 0)
+            self.assertEqual(report["semantics"]["keyframes_labeled"], 0)
             self.assertRegex(said, "[1-9][0-9]* failures")
 
     def test_masks_that_come_too_late(self):
@@ -249,7 +250,7 @@ class InputTest(FaultsTest):
                                   "semantic.stored.delay_ms=10000", "--set", "semantic.finish_timeout_s=0.5")
         self.assertLess(time.monotonic() - begin, 10)
         self.assertEqual(report["tracked"], FRAMES)
-        self.assertEqual(report["semantics"]["keyframes_labelled"], 0)
+        self.assertEqual(report["semantics"]["keyframes_labeled"], 0)
 
     def test_what_has_no_end(self):
         """Pipes and devices where files should be are refused, and not waited for."""

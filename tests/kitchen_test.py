@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Runs the program on real recordings: the kitchen sequences, static and with people walking through them.
 
     kitchen_test.py RDS WORK_FOLDER make|static|walking|lockstep|threaded

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Checks how the folders of src/ depend on each other, and what may be used where (see ARCHITECTURE.md).
 
 Run it as it is; it names each file and line that breaks a rule. It also checks itself on sources that break each rule.

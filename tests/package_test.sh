@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # Installs the build into an empty folder, builds the example against the installed package alone, and runs it.
 #   package_test.sh CMAKE BUILD_FOLDER
 set -euo pipefail

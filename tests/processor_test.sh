@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # A program built for instructions that this processor lacks says so in a sentence. XOP and FMA4 stand in for those of
 # the future: few processors ever had them, and none made since 2017 has.
 #   processor_test.sh [CXX]

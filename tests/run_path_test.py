@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """No program or library of ours looks for libraries where anybody may lay one.
 
     run_path_test.py FILE_OR_FOLDER...

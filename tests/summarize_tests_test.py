@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Tests of scripts/summarize_tests.py on made-up results."""
 import pathlib
 import subprocess

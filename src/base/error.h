@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Exceptions of the library: bad input (the user's to mend) and broken invariants (ours to mend).
 #pragma once
 

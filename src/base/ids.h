@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Strong ids: a keyframe's id cannot be passed where a point's is wanted.
 #pragma once
 

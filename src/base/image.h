@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Plain images in memory.
 #pragma once
 
@@ -47,7 +48,7 @@ struct Image {
   [[nodiscard]] const T& At(int x, int y) const { return Row(y)[x * channels]; }
 };
 
-using Image8 = Image<std::uint8_t>;    // grey (1 channel), or BGR (3 channels) as OpenCV orders it
+using Image8 = Image<std::uint8_t>;    // gray (1 channel), or BGR (3 channels) as OpenCV orders it
 using Image16 = Image<std::uint16_t>;  // depth, in units of PinholeCamera::depth_scale; 0 and 65535 = no depth
 
 }  // namespace rds

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Logging: spdlog to standard error. Usage: log::info("{} keyframes", n). Thread-safe.
 #pragma once
 

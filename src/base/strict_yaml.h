@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // YAML files as people write options and cameras: one document, small, without aliases.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // "Did you mean ...?": the known word that is nearest to a mistyped one.
 #pragma once
 
@@ -9,7 +10,7 @@
 
 namespace rds {
 
-// Edits (insert, delete, replace, swap of neighbours) that turn `a` into `b`; bytes, case-sensitive.
+// Edits (insert, delete, replace, swap of neighbors) that turn `a` into `b`; bytes, case-sensitive.
 int EditDistance(std::string_view a, std::string_view b);
 
 // The known word with the fewest edits from `word`, ignoring case, if near enough to be meant (a third of the longer

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "base/suggest.h"
 
 #include <gtest/gtest.h>
@@ -13,7 +14,7 @@ TEST(EditDistance, CountsEdits) {
   EXPECT_EQ(EditDistance("", "run"), 3);
   EXPECT_EQ(EditDistance("run", ""), 3);
   EXPECT_EQ(EditDistance("kitten", "sitting"), 3);
-  EXPECT_EQ(EditDistance("bnech", "bench"), 1);  // swapped neighbours are one edit
+  EXPECT_EQ(EditDistance("bnech", "bench"), 1);  // swapped neighbors are one edit
   EXPECT_EQ(EditDistance("eval", "evla"), 1);
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Clocks: elapsed wall time, CPU time of the calling thread and of the process.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // rds ablate: what each part of the system is good for.
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -59,7 +60,7 @@ AblationRow RowOf(const AblationVariant& variant, const PlaybackResult& playback
     }
   }
   row.keyframes = playback.slam.keyframes.size();
-  row.labelled = playback.slam.labels.size();
+  row.labeled = playback.slam.labels.size();
   std::vector<double> delays;
   for (const FrameResult& frame : playback.frames) {
     if (frame.semantic_delay_frames) {
@@ -67,9 +68,9 @@ AblationRow RowOf(const AblationVariant& variant, const PlaybackResult& playback
     }
   }
   if (!delays.empty()) {
-    row.delay_median_frames = Summarise(delays).median;
+    row.delay_median_frames = Summarize(delays).median;
   }
-  row.tracking_median_ms = Summarise(TimingSeries(playback.frames, &FrameTiming::total_ms)).median;
+  row.tracking_median_ms = Summarize(TimingSeries(playback.frames, &FrameTiming::total_ms)).median;
   return row;
 }
 

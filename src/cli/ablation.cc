@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "cli/ablation.h"
 
 #include <spdlog/fmt/fmt.h>
@@ -10,8 +11,8 @@ namespace {
 
 using Cells = std::vector<std::string>;
 
-const Cells kHeadings = {"variant",   "tracked",  "ATE RMSE [m]",   "RPE 1 s [m]",
-                         "keyframes", "labelled", "delay [frames]", "tracking [ms]"};
+const Cells kHeadings = {"variant",   "tracked", "ATE RMSE [m]",   "RPE 1 s [m]",
+                         "keyframes", "labeled", "delay [frames]", "tracking [ms]"};
 
 std::string Optional(const std::optional<double>& value, int digits) {
   return value ? fmt::format("{:.{}f}", *value, digits) : "-";
@@ -23,7 +24,7 @@ Cells CellsOf(const AblationRow& row) {
           Optional(row.ate_rmse_m, 4),
           Optional(row.rpe_rmse_m, 4),
           fmt::format("{}", row.keyframes),
-          fmt::format("{}", row.labelled),
+          fmt::format("{}", row.labeled),
           Optional(row.delay_median_frames, 1),
           fmt::format("{:.2f}", row.tracking_median_ms)};
 }
@@ -41,39 +42,39 @@ std::span<const AblationVariant> AblationVariants() {
                       "unknown points as Algorithm 2 has them: only while fewer than tau static ones are there",
                       {"tracking.unknown=paper"}},
       AblationVariant{
-          "no carry", "labels are not carried from frame to frame, nor through space", {"carry.enabled=false"}},
+          "no carry", "labels are not carried from frame to frame, nor through space", {"propagation.enabled=false"}},
       AblationVariant{"no space",
                       "labels are not carried through space: neither static surfaces nor what has moved in",
                       {"semantic.free_space=false"}},
       AblationVariant{
           "one start", "the frames before the first label are not tracked again", {"semantic.start_frames=0"}},
       AblationVariant{
-          "unproven", "points weigh the same however few keyframes see them", {"tracking.proven_sightings=1"}},
+          "unproven", "points weigh the same however few keyframes see them", {"tracking.min_observations=1"}},
       AblationVariant{
           "no edges", "keypoints where the depth jumps are trusted as much as others", {"orb.depth_edges=false"}},
       AblationVariant{"no alignment",
                       "the surfaces of a frame are not laid over those of its reference keyframe",
-                      {"tracking.align_surfaces=false"}},
+                      {"tracking.register_depth=false"}},
       AblationVariant{"no motion prior",
                       "a pose stands on its matches alone: neither velocity nor surfaces hold it",
                       {"tracking.acceleration_m_s2=0"}},
       AblationVariant{
           "no association", "tracking does not look at moving probabilities", {"tracking.use_semantics=false"}},
       AblationVariant{
-          "no optimisation", "no semantic-based optimisation of keyframes", {"semantic.optimisation=false"}},
+          "no optimization", "no semantic-based optimization of keyframes", {"semantic.optimization=false"}},
       AblationVariant{"no weights",
                       "local bundle adjustment without the weights 1 - p, dynamic points included",
                       {"mapping.ba_weighted=false"}},
-      AblationVariant{"labelled bundle",
-                      "only labelled keyframes take part in local bundle adjustment, as the paper has it",
-                      {"mapping.ba_labelled_only=true"}},
-      AblationVariant{"sequential", "keyframes are labelled in their order", {"semantic.selection=sequential"}},
-      AblationVariant{"newest", "only the newest keyframes are labelled", {"semantic.selection=newest"}},
+      AblationVariant{"labeled bundle",
+                      "only labeled keyframes take part in local bundle adjustment, as the paper has it",
+                      {"mapping.ba_labeled_only=true"}},
+      AblationVariant{"sequential", "keyframes are labeled in their order", {"semantic.selection=sequential"}},
+      AblationVariant{"newest", "only the newest keyframes are labeled", {"semantic.selection=newest"}},
       AblationVariant{"busy",
                       "a keyframe every three frames, more than masks can follow",
                       {"keyframe.max_frames=3", "keyframe.min_frames=0"}},
       AblationVariant{"busy, sequential",
-                      "so many keyframes, labelled in their order",
+                      "so many keyframes, labeled in their order",
                       {"keyframe.max_frames=3", "keyframe.min_frames=0", "semantic.selection=sequential"}},
       AblationVariant{"no semantics", "no segmentation at all", {}, false},
   };
@@ -128,7 +129,7 @@ nlohmann::ordered_json AblationJson(const std::vector<AblationRow>& rows) {
                     {"ate_rmse_m", Nullable(row.ate_rmse_m)},
                     {"rpe_rmse_m", Nullable(row.rpe_rmse_m)},
                     {"keyframes", row.keyframes},
-                    {"labelled", row.labelled},
+                    {"labeled", row.labeled},
                     {"delay_median_frames", Nullable(row.delay_median_frames)},
                     {"tracking_median_ms", row.tracking_median_ms}});
   }

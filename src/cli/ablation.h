@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Ablation: the same sequence with parts of the system switched off, and the table that compares them.
 #pragma once
 
@@ -29,7 +30,7 @@ struct AblationRow {
   std::optional<double> ate_rmse_m;  // absent without ground truth, or with too few poses to align
   std::optional<double> rpe_rmse_m;  // over one second
   std::size_t keyframes = 0;
-  std::size_t labelled = 0;                   // keyframes
+  std::size_t labeled = 0;                    // keyframes
   std::optional<double> delay_median_frames;  // absent without a label
   double tracking_median_ms = 0;
 };

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The accuracy of a run against the ground truth of its sequence.
 #pragma once
 

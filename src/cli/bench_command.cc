@@ -1,4 +1,5 @@
-// rds bench: tracking time against the yardstick, as JSON.
+// SPDX-License-Identifier: Apache-2.0
+// rds bench: tracking time against the reference, as JSON.
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -12,8 +13,8 @@
 #include "cli/observers.h"
 #include "cli/play_arguments.h"
 #include "cli/playback.h"
+#include "cli/reference_timing.h"
 #include "cli/series_json.h"
-#include "cli/yardstick.h"
 
 namespace rds {
 namespace {
@@ -26,14 +27,14 @@ int Bench(const PlayArguments& arguments) {
   std::unique_ptr<Segmenter> segmenter = OpenSegmenter(arguments, setup);
   Progress progress(std::cerr, isatty(STDERR_FILENO) == 1, setup.dataset.size());
   ProgressObserver progress_observer(progress);
-  Yardstick yardstick;
-  const std::array<PlaybackObserver*, 2> observers = {&yardstick, &progress_observer};
+  ReferenceTiming reference_timing;
+  const std::array<PlaybackObserver*, 2> observers = {&reference_timing, &progress_observer};
   const RunDescription description = Describe(setup, segmenter.get());
   const PlaybackResult playback =
       Play(setup.dataset, setup.camera, setup.options, std::move(segmenter), setup.play, observers);
   progress.Finish();
   RethrowError(playback);
-  std::cout << BenchReport(description, playback, yardstick.times_ms(), yardstick.cpu_s())
+  std::cout << BenchReport(description, playback, reference_timing.times_ms(), reference_timing.cpu_s())
                    .dump(2, ' ', false, kReplaceBadUtf8)
             << std::endl;
   return playback.interrupted ? 128 + InterruptSignal() : 0;
@@ -44,7 +45,7 @@ int Bench(const PlayArguments& arguments) {
 void AddBenchCommand(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "bench",
-      "Measure tracking against a yardstick: OpenCV's ORB (1000 features, 8 levels, factor 1.2, one thread), timed on "
+      "Measure tracking against a reference: OpenCV's ORB (1000 features, 8 levels, factor 1.2, one thread), timed on "
       "the same image just before each frame is tracked, so that figures of different machines compare. Prints JSON.");
   auto arguments = std::make_shared<PlayArguments>();
   AddPlayArguments(*command, *arguments, "none");

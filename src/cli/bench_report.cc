@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "cli/bench_report.h"
 
 #include <algorithm>
@@ -26,14 +27,14 @@ Json Growth(const std::vector<double>& tracking_ms) {
     return nullptr;
   }
   const std::span<const double> all(tracking_ms);
-  const double first = Summarise(all.first(count)).median;
-  const double last = Summarise(all.last(count)).median;
+  const double first = Summarize(all.first(count)).median;
+  const double last = Summarize(all.last(count)).median;
   return {{"frames", count}, {"first_ms", first}, {"last_ms", last}, {"ratio", Ratio(last, first)}};
 }
 
 // Parts of the mean tracking time.
 Json Shares(const std::vector<FrameResult>& frames) {
-  const auto mean = [&frames](double FrameTiming::*member) { return Summarise(TimingSeries(frames, member)).mean; };
+  const auto mean = [&frames](double FrameTiming::*member) { return Summarize(TimingSeries(frames, member)).mean; };
   const double total = mean(&FrameTiming::total_ms);
   const double extraction = mean(&FrameTiming::extraction_ms);
   const double matching = mean(&FrameTiming::matching_ms);
@@ -49,8 +50,8 @@ Json Shares(const std::vector<FrameResult>& frames) {
 }  // namespace
 
 Json BenchReport(const RunDescription& description, const PlaybackResult& playback,
-                 const std::vector<double>& yardstick_ms, double yardstick_cpu_s) {
-  Check(yardstick_ms.size() == playback.frames.size(), "a yardstick time for each frame");
+                 const std::vector<double>& reference_ms, double reference_cpu_s) {
+  Check(reference_ms.size() == playback.frames.size(), "a reference time for each frame");
   const std::vector<double> tracking_ms = TimingSeries(playback.frames, &FrameTiming::total_ms);
   Json report;
   report["sequence"] = description.sequence;
@@ -58,13 +59,13 @@ Json BenchReport(const RunDescription& description, const PlaybackResult& playba
   report["rate"] = description.rate;
   report["frames"] = playback.frames.size();
   report["tracked"] = playback.slam.tracked_frames;
-  report["yardstick_ms"] = SeriesJson(yardstick_ms);
+  report["reference_ms"] = SeriesJson(reference_ms);
   report["tracking_ms"] = SeriesJson(tracking_ms);
-  report["ratio"] = Ratio(Summarise(tracking_ms).median, Summarise(yardstick_ms).median);
+  report["ratio"] = Ratio(Summarize(tracking_ms).median, Summarize(reference_ms).median);
   report["shares"] = Shares(playback.frames);
   report["growth"] = Growth(tracking_ms);
-  report["cpu_ms_per_frame"] = CpuReport(playback, yardstick_cpu_s);
-  report["lateness_ms"] = SeriesJson(playback.lateness_ms);
+  report["cpu_ms_per_frame"] = CpuReport(playback, reference_cpu_s);
+  report["start_delay_ms"] = SeriesJson(playback.start_delay_ms);
   report["peak_memory_mb"] = PeakMemoryMb();
   report["interrupted"] = playback.interrupted;
   return report;

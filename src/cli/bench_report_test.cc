@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "cli/bench_report.h"
 
 #include <gtest/gtest.h>
 
-#include "cli/yardstick.h"
+#include "cli/reference_timing.h"
 
 namespace rds {
 namespace {
@@ -19,15 +20,15 @@ PlaybackResult Played(std::size_t frames) {
                     .local_map_ms = 0.9,
                     .cpu_ms = 9};
     playback.frames.push_back(frame);
-    playback.lateness_ms.push_back(0);
+    playback.start_delay_ms.push_back(0);
   }
   playback.cpu_s = 1e-3 * static_cast<double>(20 * frames);
   return playback;
 }
 
-TEST(BenchReport, ComparesWithTheYardstick) {
+TEST(BenchReport, ComparesWithTheReferenceTiming) {
   const nlohmann::ordered_json report = BenchReport({}, Played(600), std::vector<double>(600, 6.0), 0.6 * 6);
-  EXPECT_DOUBLE_EQ(report["yardstick_ms"]["median"], 6);
+  EXPECT_DOUBLE_EQ(report["reference_ms"]["median"], 6);
   EXPECT_DOUBLE_EQ(report["tracking_ms"]["median"], 9);
   EXPECT_DOUBLE_EQ(report["ratio"], 1.5);
   EXPECT_NEAR(report["shares"]["extraction"].get<double>(), 0.5, 1e-9);
@@ -48,16 +49,16 @@ TEST(BenchReport, ShortSequencesCompareHalves) {
   EXPECT_TRUE(BenchReport({}, Played(1), {1.0}, 0)["growth"].is_null());
 }
 
-TEST(Yardstick, TimesGreyAndColourImages) {
-  Yardstick yardstick;
+TEST(ReferenceTiming, TimesGrayAndColorImages) {
+  ReferenceTiming reference_timing;
   for (const int channels : {1, 3}) {
     RgbdFrame frame;
     frame.image = std::make_shared<Image8>(640, 480, channels, std::uint8_t{77});
-    yardstick.BeforeFrame(frame);
+    reference_timing.BeforeFrame(frame);
   }
-  ASSERT_EQ(yardstick.times_ms().size(), 2U);
-  EXPECT_GT(yardstick.times_ms()[0], 0);
-  EXPECT_GT(yardstick.cpu_s(), 0);
+  ASSERT_EQ(reference_timing.times_ms().size(), 2U);
+  EXPECT_GT(reference_timing.times_ms()[0], 0);
+  EXPECT_GT(reference_timing.cpu_s(), 0);
 }
 
 }  // namespace

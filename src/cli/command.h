@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The program's commands, each in a file of its own: adds a subcommand whose callback does the work once all of the
 // command line is parsed. Callbacks throw InputError, or end with another exit code by CLI::RuntimeError.
 #pragma once

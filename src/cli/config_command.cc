@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // rds config: every option with its value, default, range and meaning.
 #include <CLI/CLI.hpp>
 #include <iostream>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // rds eval: how far an estimated trajectory is from the ground truth.
 #include <CLI/CLI.hpp>
 #include <filesystem>
@@ -26,8 +27,8 @@ namespace fs = std::filesystem;
 
 constexpr const char* kFooter =
     "Poses are matched by time, the estimate is aligned to the ground truth (Umeyama), then measured:\n"
-    "  ATE  absolute trajectory error: distance of the positions, metres\n"
-    "  RPE  relative pose error: error of the motion over --delta, metres and degrees\n"
+    "  ATE  absolute trajectory error: distance of the positions, meters\n"
+    "  RPE  relative pose error: error of the motion over --delta, meters and degrees\n"
     "The figures are those of the evo package: ATE of `evo_ape tum GROUNDTRUTH ESTIMATE --align`, RPE with\n"
     "--delta-frames N of `evo_rpe tum GROUNDTRUTH ESTIMATE --delta N --delta_unit f --all_pairs`.\n"
     "\n"
@@ -103,7 +104,7 @@ void AddEvalCommand(CLI::App& app) {
       ->type_name("GROUNDTRUTH")
       ->required();
   command->add_flag("--json", arguments->json, "Print JSON instead of a table");
-  command->add_option("--plot", arguments->plot, "Draw both paths, seen from above, coloured by the error")
+  command->add_option("--plot", arguments->plot, "Draw both paths, seen from above, colored by the error")
       ->type_name("FILE.svg");
   command->add_flag("--scale", arguments->options.with_scale, "Let the alignment find the scale too");
   command->add_flag("--interpolate", arguments->options.interpolate,

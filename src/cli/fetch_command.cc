@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "cli/fetch_command.h"
 
 #include <spdlog/fmt/fmt.h>
@@ -32,7 +33,7 @@ const PublishedWeights& WeightsOf(const std::string& name) {
                                fmt::join(Names(), " and ")));
 }
 
-// One line, rewritten at each per cent on a terminal; elsewhere nothing until the end.
+// One line, rewritten at each percent on a terminal; elsewhere nothing until the end.
 class FetchProgress {
  public:
   void Update(std::int64_t done, std::int64_t total) {

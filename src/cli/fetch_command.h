@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // rds fetch: downloads the published segmentation weights.
 #pragma once
 

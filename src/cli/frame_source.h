@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Frames of a sequence, decoded ahead on a thread of their own.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Ctrl-C: the first one asks the program to stop and write what it has, the second ends it at once.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // rds: real-time RGB-D SLAM for dynamic scenes, on the command line.
 #include <CLI/CLI.hpp>
 #include <iostream>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What looks on while a sequence is played: the progress display and the video.
 #pragma once
 

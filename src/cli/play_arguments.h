@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The arguments that run, bench and ablate share, and what they stand for.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "cli/playback.h"
 
 #include <spdlog/fmt/fmt.h>
@@ -147,7 +148,7 @@ PlaybackResult Play(const Dataset& dataset, const PinholeCamera& camera, const O
     processed.features.clear();
     processed.features.shrink_to_fit();
     result.frames.push_back(std::move(processed));
-    result.lateness_ms.push_back(late_ms);
+    result.start_delay_ms.push_back(late_ms);
   };
   try {
     while (!Interrupted()) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Plays a sequence through the system: the loop that run, bench and ablate share.
 #pragma once
 
@@ -29,8 +30,8 @@ class PlaybackObserver {
 
 // What playing measured. Times in seconds unless the name says otherwise.
 struct PlaybackResult {
-  std::vector<FrameResult> frames;  // of every frame processed, in order; without features
-  std::vector<double> lateness_ms;  // one for each frame: begun after it was due; 0 = in time
+  std::vector<FrameResult> frames;     // of every frame processed, in order; without features
+  std::vector<double> start_delay_ms;  // one for each frame: begun after it was due; 0 = in time
   SlamResult slam;
   std::optional<double> first_pose_after_s;  // after the start of playing; absent: no frame was tracked
   double wall_s = 0;                         // from the start of playing to the end of Slam::Finish

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "cli/playback.h"
 
 #include <gmock/gmock.h>
@@ -147,7 +148,7 @@ TEST_F(PlaybackTest, PausesOfTheRecordingAreCutToASecond) {
 TEST_F(PlaybackTest, PlaysEveryFrame) {
   const PlaybackResult result = PlayAll(0);
   EXPECT_EQ(result.frames.size(), static_cast<std::size_t>(kFrames));
-  EXPECT_EQ(result.lateness_ms, std::vector<double>(kFrames, 0.0));
+  EXPECT_EQ(result.start_delay_ms, std::vector<double>(kFrames, 0.0));
   EXPECT_EQ(result.slam.processed_frames, kFrames);
   EXPECT_EQ(result.slam.tracked_frames, kFrames);
   EXPECT_EQ(result.slam.frames.size(), static_cast<std::size_t>(kFrames));
@@ -163,10 +164,10 @@ TEST_F(PlaybackTest, KeepsToTheRecordedTimes) {
   EXPECT_GE(PlayAll(2).wall_s, 19 / 30.0 / 2);
 }
 
-TEST_F(PlaybackTest, CountsLateness) {
+TEST_F(PlaybackTest, CountsStartDelay) {
   const PlaybackResult result = PlayAll(1000);
   ASSERT_EQ(result.frames.size(), static_cast<std::size_t>(kFrames)) << "late frames are processed all the same";
-  EXPECT_GT(result.lateness_ms.back(), 0);
+  EXPECT_GT(result.start_delay_ms.back(), 0);
 }
 
 TEST_F(PlaybackTest, SignalStopsAndKeepsWhatWasTracked) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "cli/process_info.h"
 
 #include <sys/resource.h>
@@ -12,8 +13,8 @@
 namespace rds {
 namespace {
 
-// For systems without /proc: time since the program's static initialisation.
-const Stopwatch since_initialisation;
+// For systems without /proc: time since the program's static initialization.
+const Stopwatch since_initialization;
 
 // Field 22 of /proc/self/stat: start of the process in ticks after the start of the machine. 0 = unknown.
 double ProcessStartAfterBoot() {
@@ -41,8 +42,8 @@ double SecondsSinceProcessStart() {
   const double elapsed = CpuSeconds(CLOCK_BOOTTIME) - start;
   // A container may have a clock of its own that does not fit the tick count.
   const bool plausible =
-      start > 0 && elapsed >= since_initialisation.Seconds() && elapsed < since_initialisation.Seconds() + 60;
-  return plausible ? elapsed : since_initialisation.Seconds();
+      start > 0 && elapsed >= since_initialization.Seconds() && elapsed < since_initialization.Seconds() + 60;
+  return plausible ? elapsed : since_initialization.Seconds();
 }
 
 double PeakMemoryMb() {

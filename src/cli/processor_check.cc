@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A processor that lacks instructions of this build gets a sentence instead of a signal. Compiled for the oldest
 // processor (see CMakeLists.txt), and run before any other constructor of the program.
 #include <unistd.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Instructions that this build uses and older processors of its kind lack.
 #pragma once
 

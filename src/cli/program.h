@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Parses a command line, runs what it says and turns what goes wrong into a message and an exit code.
 #pragma once
 

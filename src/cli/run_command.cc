@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // rds run: a sequence in, trajectory, map figures and report out.
 #include <spdlog/fmt/fmt.h>
 #include <unistd.h>
@@ -151,7 +152,7 @@ std::string ConcernsText(const PlaybackResult& playback, double rate) {
     text += fmt::format(
         "late: {} of {} frames began more than {:g} ms after they were due, by {:.2f} s at most: this "
         "machine is too slow for --rate {:g}\n",
-        late, playback.frames.size(), kLate_ms, 1e-3 * std::ranges::max(playback.lateness_ms), rate);
+        late, playback.frames.size(), kLate_ms, 1e-3 * std::ranges::max(playback.start_delay_ms), rate);
   }
   return text;
 }
@@ -162,12 +163,12 @@ void PrintSummary(const RunArguments& arguments, const PlaySetup& setup, const O
   std::string text = TrackingText(setup, outcome) + ConcernsText(playback, setup.play.rate);
   const std::vector<double> tracking_ms = TimingSeries(playback.frames, &FrameTiming::total_ms);
   if (!tracking_ms.empty()) {
-    text += fmt::format("tracking: {:.1f} ms a frame (median; 95 % below {:.1f} ms)\n", Summarise(tracking_ms).median,
+    text += fmt::format("tracking: {:.1f} ms a frame (median; 95 % below {:.1f} ms)\n", Summarize(tracking_ms).median,
                         Percentile(tracking_ms, 95));
   }
   if (outcome.description.segmenter != "none") {
-    text += fmt::format("semantics: {}; {} keyframes labelled, {} left, {} failures\n", outcome.description.segmenter,
-                        slam.labels.size(), slam.keyframes_left_unlabelled, slam.segmentation_failures);
+    text += fmt::format("semantics: {}; {} keyframes labeled, {} left, {} failures\n", outcome.description.segmenter,
+                        slam.labels.size(), slam.keyframes_left_unlabeled, slam.segmentation_failures);
   }
   text += fmt::format(
       "written to {}: trajectory.txt, keyframes.txt, report.json, frames.csv, semantics.csv, "

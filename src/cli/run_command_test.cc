@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // End to end: the commands run, bench, ablate and config.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -125,12 +126,12 @@ TEST_F(RunCommandTest, WritesEveryOutput) {
   }
   EXPECT_EQ(report["frames"], kFrames);
   EXPECT_EQ(report["tracked"], kFrames);
-  EXPECT_GT(report["semantics"]["keyframes_labelled"], 0);
+  EXPECT_GT(report["semantics"]["keyframes_labeled"], 0);
   EXPECT_LT(report["ate_m"]["rmse"], 0.05);
   EXPECT_FALSE(report["rpe"]["translation_m"].is_null());
   const std::string frames = ReadFile(out_ / "frames.csv");
   EXPECT_EQ(std::count(frames.begin(), frames.end(), '\n'), kFrames + 1);
-  EXPECT_THAT(ReadFile(out_ / "semantics.csv"), HasSubstr("labelled_frame"));
+  EXPECT_THAT(ReadFile(out_ / "semantics.csv"), HasSubstr("labeled_frame"));
   EXPECT_THAT(ReadFile(out_ / "trajectory.svg"), HasSubstr("<svg"));
   EXPECT_THAT(printed, HasSubstr("40 of 40 frames tracked"));
   EXPECT_THAT(printed, HasSubstr("ATE"));
@@ -279,7 +280,7 @@ TEST_F(RunCommandTest, ADepthScaleThatCannotBeIsRefusedWithTheLikelyOne) {
     return ErrorOf(words);
   };
   EXPECT_THAT(with_scale("200"), HasSubstr("likely right is depth_scale: 5000"));
-  EXPECT_THAT(with_scale("1.0"), HasSubstr("units in a metre"));
+  EXPECT_THAT(with_scale("1.0"), HasSubstr("units in a meter"));
   EXPECT_THAT(with_scale("0.0002"), HasSubstr("depth_scale: 5000"));
 }
 
@@ -329,7 +330,7 @@ TEST_F(RunCommandTest, AblateComparesVariants) {
   const nlohmann::json rows = nlohmann::json::parse(printed);
   ASSERT_EQ(rows.size(), 2U);
   EXPECT_EQ(rows[0]["variant"], "whole");
-  EXPECT_EQ(rows[1]["labelled"], 0);
+  EXPECT_EQ(rows[1]["labeled"], 0);
   EXPECT_THAT(ErrorOf({"ablate", sequence_.string(), "--only", "hole"}), HasSubstr("whole"));
 }
 

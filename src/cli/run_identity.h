@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What tells one run's results from another's, and what made them.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "cli/run_report.h"
 
 #include <spdlog/fmt/fmt.h>
@@ -31,18 +32,18 @@ Json SemanticReport(const RunDescription& description, const PlaybackResult& pla
     }
   }
   const SlamResult& slam = playback.slam;
-  std::vector<double> optimisation_ms = LabelSeries(slam.labels, &LabelEvent::optimisation_ms);
-  std::erase(optimisation_ms, 0.0);  // none was due
+  std::vector<double> optimization_ms = LabelSeries(slam.labels, &LabelEvent::optimization_ms);
+  std::erase(optimization_ms, 0.0);  // none was due
   Json report;
   report["segmenter"] = description.segmenter;
-  report["keyframes_labelled"] = slam.labels.size();
-  report["keyframes_left_unlabelled"] = slam.keyframes_left_unlabelled;
+  report["keyframes_labeled"] = slam.labels.size();
+  report["keyframes_left_unlabeled"] = slam.keyframes_left_unlabeled;
   report["failures"] = slam.segmentation_failures;
   report["delay_frames"] = SeriesJson(delays);
   report["segmentation_ms"] = SeriesJson(LabelSeries(slam.labels, &LabelEvent::segmentation_ms));
   report["mask_ms"] = SeriesJson(LabelSeries(slam.labels, &LabelEvent::mask_ms));
   report["update_ms"] = SeriesJson(LabelSeries(slam.labels, &LabelEvent::update_ms));
-  report["optimisation_ms"] = SeriesJson(optimisation_ms);
+  report["optimization_ms"] = SeriesJson(optimization_ms);
   report["static_points"] = slam.static_points;
   report["unknown_points"] = slam.unknown_points;
   report["dynamic_points"] = slam.dynamic_points;
@@ -84,7 +85,7 @@ std::optional<std::size_t> LostForGoodSince(const std::vector<FrameResult>& fram
 }
 
 std::ptrdiff_t LateFrames(const PlaybackResult& playback) {
-  return std::ranges::count_if(playback.lateness_ms, [](double late_ms) { return late_ms > kLate_ms; });
+  return std::ranges::count_if(playback.start_delay_ms, [](double late_ms) { return late_ms > kLate_ms; });
 }
 
 Json CpuReport(const PlaybackResult& playback, double other_cpu_s) {
@@ -94,7 +95,7 @@ Json CpuReport(const PlaybackResult& playback, double other_cpu_s) {
   const double per_frame_ms = 1e3 / static_cast<double>(playback.frames.size());
   Json report;
   report["all_threads"] = (playback.cpu_s - playback.reading_cpu_s - other_cpu_s) * per_frame_ms;
-  report["tracking_thread"] = Summarise(TimingSeries(playback.frames, &FrameTiming::cpu_ms)).mean;
+  report["tracking_thread"] = Summarize(TimingSeries(playback.frames, &FrameTiming::cpu_ms)).mean;
   report["reading_images"] = playback.reading_cpu_s * per_frame_ms;
   return report;
 }
@@ -131,7 +132,7 @@ Json RunReport(const RunDescription& description, const PlaybackResult& playback
                                  {"local_map", SeriesJson(TimingSeries(playback.frames, &FrameTiming::local_map_ms))}};
   report["cpu_ms_per_frame"] = CpuReport(playback, 0);
   report["local_ba_ms"] = SeriesJson(slam.local_ba_ms);
-  report["lateness_ms"] = SeriesJson(playback.lateness_ms);
+  report["start_delay_ms"] = SeriesJson(playback.start_delay_ms);
   report["peak_memory_mb"] = PeakMemoryMb();
   report["wall_s"] = playback.wall_s;
   report["semantics"] = SemanticReport(description, playback);
@@ -151,10 +152,10 @@ std::string ToString(TrackingState state) {
 }
 
 std::string FramesCsv(const PlaybackResult& playback, const std::string& run_id) {
-  Check(playback.frames.size() == playback.lateness_ms.size(), "a lateness for each frame");
+  Check(playback.frames.size() == playback.start_delay_ms.size(), "a lateness for each frame");
   std::string csv =
       "frame,timestamp_s,state,total_ms,extraction_ms,matching_ms,pose_ms,local_map_ms,cpu_ms,static_matches,"
-      "unknown_matches,rejected_matches,keyframe,semantic_delay_frames,lateness_ms,run\n";
+      "unknown_matches,rejected_matches,keyframe,semantic_delay_frames,start_delay_ms,run\n";
   for (std::size_t i = 0; i < playback.frames.size(); ++i) {
     const FrameResult& frame = playback.frames[i];
     const FrameTiming& timing = frame.timing;
@@ -163,19 +164,19 @@ std::string FramesCsv(const PlaybackResult& playback, const std::string& run_id)
                        timing.extraction_ms, timing.matching_ms, timing.pose_ms, timing.local_map_ms, timing.cpu_ms,
                        frame.static_matches, frame.unknown_matches, frame.rejected_matches, frame.is_keyframe ? 1 : 0,
                        frame.semantic_delay_frames ? std::to_string(*frame.semantic_delay_frames) : "",
-                       playback.lateness_ms[i], run_id);
+                       playback.start_delay_ms[i], run_id);
   }
   return csv;
 }
 
 std::string SemanticsCsv(const std::vector<LabelEvent>& labels, const std::string& run_id) {
-  std::string csv = "labelled_frame,current_frame,delay_frames,segmentation_ms,mask_ms,update_ms,optimisation_ms,run\n";
+  std::string csv = "labeled_frame,current_frame,delay_frames,segmentation_ms,mask_ms,update_ms,optimization_ms,run\n";
   for (const LabelEvent& label : labels) {
     const auto delay =
-        static_cast<std::int64_t>(label.current_frame.value) - static_cast<std::int64_t>(label.labelled_frame.value);
+        static_cast<std::int64_t>(label.current_frame.value) - static_cast<std::int64_t>(label.labeled_frame.value);
     csv +=
-        fmt::format("{},{},{},{:.3f},{:.3f},{:.3f},{:.3f},{}\n", label.labelled_frame.value, label.current_frame.value,
-                    delay, label.segmentation_ms, label.mask_ms, label.update_ms, label.optimisation_ms, run_id);
+        fmt::format("{},{},{},{:.3f},{:.3f},{:.3f},{:.3f},{}\n", label.labeled_frame.value, label.current_frame.value,
+                    delay, label.segmentation_ms, label.mask_ms, label.update_ms, label.optimization_ms, run_id);
   }
   return csv;
 }

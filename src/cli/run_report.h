@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a run leaves behind as text: report.json, frames.csv, semantics.csv.
 #pragma once
 
@@ -28,7 +29,7 @@ struct RunDescription {
 [[nodiscard]] nlohmann::ordered_json RunReport(const RunDescription& description, const PlaybackResult& playback);
 
 // CPU time in milliseconds a frame: of the whole program without reading images, of the tracking thread, of reading.
-// `other_cpu_s` is taken off the first (a yardstick, drawing).
+// `other_cpu_s` is taken off the first (a reference, drawing).
 [[nodiscard]] nlohmann::ordered_json CpuReport(const PlaybackResult& playback, double other_cpu_s);
 
 // The frame from which on tracking was lost to the end, if it was: its place among those processed.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "cli/run_report.h"
 
 #include <gmock/gmock.h>
@@ -25,7 +26,7 @@ PlaybackResult TenFrames() {
       frame.semantic_delay_frames = static_cast<int>(i);
     }
     playback.frames.push_back(frame);
-    playback.lateness_ms.push_back(i == 5 ? 12 : 0);
+    playback.start_delay_ms.push_back(i == 5 ? 12 : 0);
   }
   playback.slam.tracked_frames = 8;
   playback.slam.lost_frames = 1;
@@ -71,10 +72,10 @@ TEST(RunReport, SaysWhatHappened) {
   EXPECT_NEAR(report["cpu_ms_per_frame"]["all_threads"].get<double>(), 40, 1e-9);
   EXPECT_NEAR(report["cpu_ms_per_frame"]["tracking_thread"].get<double>(), 2, 1e-9);
   EXPECT_GT(report["peak_memory_mb"], 1);
-  EXPECT_EQ(report["semantics"]["keyframes_labelled"], 2);
+  EXPECT_EQ(report["semantics"]["keyframes_labeled"], 2);
   EXPECT_DOUBLE_EQ(report["semantics"]["delay_frames"]["median"], 6.5);
   EXPECT_DOUBLE_EQ(report["semantics"]["segmentation_ms"]["mean"], 31);
-  EXPECT_DOUBLE_EQ(report["semantics"]["optimisation_ms"]["mean"], 9) << "only where one was due";
+  EXPECT_DOUBLE_EQ(report["semantics"]["optimization_ms"]["mean"], 9) << "only where one was due";
 }
 
 TEST(RunReport, SaysWhatEndedTheRunAndWhatWasLeftOut) {
@@ -120,7 +121,7 @@ TEST(RunReport, FramesCsvHasALineAFrame) {
 
 TEST(RunReport, SemanticsCsvHasALineALabel) {
   EXPECT_EQ(SemanticsCsv(TenFrames().slam.labels, "1f"),
-            "labelled_frame,current_frame,delay_frames,segmentation_ms,mask_ms,update_ms,optimisation_ms,run\n"
+            "labeled_frame,current_frame,delay_frames,segmentation_ms,mask_ms,update_ms,optimization_ms,run\n"
             "1,4,3,30.000,1.000,2.000,0.000,1f\n"
             "3,6,3,32.000,1.000,2.000,9.000,1f\n");
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "cli/series_json.h"
 
 #include "eval/statistics.h"
@@ -8,7 +9,7 @@ nlohmann::ordered_json SeriesJson(std::span<const double> values) {
   if (values.empty()) {
     return nullptr;
   }
-  const Statistics statistics = Summarise(values);
+  const Statistics statistics = Summarize(values);
   return {{"median", statistics.median},
           {"mean", statistics.mean},
           {"p95", Percentile(values, 95)},

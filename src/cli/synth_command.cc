@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // rds synth: writes a synthetic dynamic RGB-D sequence with ground truth.
 #include <spdlog/fmt/fmt.h>
 #include <unistd.h>
@@ -143,10 +144,9 @@ void AddSynthCommand(CLI::App& app) {
   command->add_option("--seed", arguments->seed, "Room, people, tremor of the hand and noise follow from it; default 1")
       ->type_name("S");
   command
-      ->add_option(
-          "--noise", arguments->noise,
-          "on: colour and depth of a structured-light sensor (depth in steps, none at edges and beyond 4.5 m); "
-          "off: exact; default on")
+      ->add_option("--noise", arguments->noise,
+                   "on: color and depth of a structured-light sensor (depth in steps, none at edges and beyond 4.5 m); "
+                   "off: exact; default on")
       ->type_name("on|off");
   command
       ->add_option("--movers", arguments->movers,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // End to end: the command synth.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

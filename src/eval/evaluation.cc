@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "eval/evaluation.h"
 
 #include <spdlog/fmt/fmt.h>
@@ -63,7 +64,7 @@ void AlignAndMeasure(Evaluation& evaluation) {
     match.estimate.rotation = (alignment.target_from_source.rotation * match.estimate.rotation).normalized();
     evaluation.position_error_m.push_back((match.estimate.translation - match.ground_truth.translation).norm());
   }
-  evaluation.ate_m = Summarise(evaluation.position_error_m);
+  evaluation.ate_m = Summarize(evaluation.position_error_m);
 }
 
 using IndexPairs = std::vector<std::pair<std::size_t, std::size_t>>;
@@ -123,8 +124,8 @@ void MeasureRelative(Evaluation& evaluation) {
     translation_m.push_back(error.translation.norm());
     rotation_deg.push_back(AngleOf(error.rotation) * 180 / std::numbers::pi);
   }
-  evaluation.rpe_translation_m = Summarise(translation_m);
-  evaluation.rpe_rotation_deg = Summarise(rotation_deg);
+  evaluation.rpe_translation_m = Summarize(translation_m);
+  evaluation.rpe_rotation_deg = Summarize(rotation_deg);
 }
 
 }  // namespace

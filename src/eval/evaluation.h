@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How far an estimated trajectory is from the ground truth: ATE and RPE, as the TUM RGB-D benchmark defines them
 // (Sturm et al., "A benchmark for the evaluation of RGB-D SLAM systems", IROS 2012) and the evo package computes them.
 #pragma once
@@ -18,7 +19,7 @@ struct EvaluationOptions {
   bool with_scale = false;         // align with a similarity instead of a rigid transform
   bool interpolate = false;        // the ground truth between its poses, instead of the nearest pose
   double max_difference_s = 0.01;  // of times, nearest pose (evo's default)
-  double max_gap_s = 0.2;          // between neighbours of the ground truth, interpolation
+  double max_gap_s = 0.2;          // between neighbors of the ground truth, interpolation
   double delta = 1;                // of the RPE
   DeltaUnit delta_unit = DeltaUnit::kSeconds;
 };

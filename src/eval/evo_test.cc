@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The same figures as the evo package, to 1e-6: stored ones always; fresh ones where evo is installed for the Python
 // that RDS_EVO_PYTHON names, or for python3.
 #include <gmock/gmock.h>

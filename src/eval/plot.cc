@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "eval/plot.h"
 
 #include <spdlog/fmt/fmt.h>
@@ -21,7 +22,7 @@ constexpr double kLargestHeight = 520;
 constexpr double kSmallestSide = 220;
 constexpr int kColors = 32;
 
-// Ground truth and estimate on two axes, metres; one estimated point for each match.
+// Ground truth and estimate on two axes, meters; one estimated point for each match.
 struct Paths {
   std::array<int, 2> axes{};
   std::vector<Eigen::Vector2d> truth;
@@ -88,7 +89,7 @@ std::string TickText(double value, double step) {
   return text.find_first_not_of("-0.") == std::string::npos ? "0" : text;
 }
 
-// A window on the world: metres to pixels at one scale for both axes.
+// A window on the world: meters to pixels at one scale for both axes.
 class Window {
  public:
   explicit Window(const Paths& paths) {
@@ -111,8 +112,8 @@ class Window {
   [[nodiscard]] SvgPoint At(const Eigen::Vector2d& point_m) const {
     return {Left() + pixels_per_m_ * (point_m.x() - low_.x()), Bottom() - pixels_per_m_ * (point_m.y() - low_.y())};
   }
-  [[nodiscard]] const Eigen::Vector2d& low() const { return low_; }    // metres
-  [[nodiscard]] const Eigen::Vector2d& high() const { return high_; }  // metres
+  [[nodiscard]] const Eigen::Vector2d& low() const { return low_; }    // meters
+  [[nodiscard]] const Eigen::Vector2d& high() const { return high_; }  // meters
   [[nodiscard]] const Eigen::Vector2d& size() const { return size_; }  // pixels
   [[nodiscard]] double Left() const { return kMarginLeft; }
   [[nodiscard]] double Right() const { return kMarginLeft + size_.x(); }
@@ -187,7 +188,7 @@ void DrawPaths(SvgWriter& svg, const Window& window, const Paths& paths, const E
     const double mean_m = (evaluation.position_error_m[i - 1] + evaluation.position_error_m[i]) / 2;
     return std::clamp(static_cast<int>(mean_m / largest_m * kColors), 0, kColors - 1);
   };
-  // Neighbouring pieces of one colour go into one line.
+  // Neighboring pieces of one color go into one line.
   std::vector<SvgPoint> piece;
   int bin = 0;
   const auto flush = [&] {
@@ -212,7 +213,7 @@ void DrawPaths(SvgWriter& svg, const Window& window, const Paths& paths, const E
   svg.Rectangle(end - SvgPoint(4.5, 4.5), 9, 9, "fill='#111' stroke='#fff'");
 }
 
-// Metres, centimetres or millimetres, whichever reads best.
+// Meters, centimeters or millimeters, whichever reads best.
 struct Unit {
   const char* name;
   double per_m;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A picture of an evaluation.
 #pragma once
 
@@ -8,7 +9,7 @@
 namespace rds {
 
 // SVG: ground truth and aligned estimate projected on the two axes of the ground truth's world along which it extends
-// most, to one scale, with ticks in metres; the estimate coloured by its error. `title` stands above, before the ATE;
+// most, to one scale, with ticks in meters; the estimate colored by its error. `title` stands above, before the ATE;
 // "" for the ATE alone. The same input gives the same bytes.
 std::string PlotTrajectories(const Evaluation& evaluation, const std::string& title = "");
 

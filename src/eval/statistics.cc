@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "eval/statistics.h"
 
 #include <algorithm>
@@ -6,7 +7,7 @@
 
 namespace rds {
 
-Statistics Summarise(std::span<const double> values) {
+Statistics Summarize(std::span<const double> values) {
   Statistics result;
   if (values.empty()) {
     return result;

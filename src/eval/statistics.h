@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Summary of a series of numbers.
 #pragma once
 
@@ -17,9 +18,9 @@ struct Statistics {
   double max = 0;
 };
 
-Statistics Summarise(std::span<const double> values);
+Statistics Summarize(std::span<const double> values);
 
-// The value below which `percent` of the series lies, linear between neighbours (percent 0 .. 100); 0 for an empty one.
+// The value below which `percent` of the series lies, linear between neighbors (percent 0 .. 100); 0 for an empty one.
 double Percentile(std::span<const double> values, double percent);
 
 }  // namespace rds

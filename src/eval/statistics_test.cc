@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "eval/statistics.h"
 
 #include <gtest/gtest.h>
@@ -10,7 +11,7 @@ namespace {
 
 TEST(Statistics, OfKnownNumbers) {
   const std::vector<double> values = {4, 1, 3, 2};
-  const Statistics s = Summarise(values);
+  const Statistics s = Summarize(values);
   EXPECT_EQ(s.count, 4U);
   EXPECT_DOUBLE_EQ(s.mean, 2.5);
   EXPECT_DOUBLE_EQ(s.median, 2.5);
@@ -22,14 +23,14 @@ TEST(Statistics, OfKnownNumbers) {
 
 TEST(Statistics, OfOneAndOfNone) {
   const std::vector<double> one = {-3};
-  EXPECT_EQ(Summarise(one).rmse, 3);
-  EXPECT_EQ(Summarise(one).median, -3);
-  EXPECT_EQ(Summarise(one).std, 0);
-  EXPECT_EQ(Summarise({}).count, 0U);
-  EXPECT_EQ(Summarise({}).rmse, 0);
+  EXPECT_EQ(Summarize(one).rmse, 3);
+  EXPECT_EQ(Summarize(one).median, -3);
+  EXPECT_EQ(Summarize(one).std, 0);
+  EXPECT_EQ(Summarize({}).count, 0U);
+  EXPECT_EQ(Summarize({}).rmse, 0);
 }
 
-TEST(Percentile, IsLinearBetweenNeighbours) {
+TEST(Percentile, IsLinearBetweenNeighbors) {
   const std::vector<double> values = {30, 10, 20};
   EXPECT_DOUBLE_EQ(Percentile(values, 0), 10);
   EXPECT_DOUBLE_EQ(Percentile(values, 25), 15);

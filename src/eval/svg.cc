@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "eval/svg.h"
 
 #include <spdlog/fmt/fmt.h>
@@ -48,8 +49,8 @@ void SvgWriter::Rectangle(const SvgPoint& corner, double width, double height, s
                        Number(width), Number(height), attributes);
 }
 
-void SvgWriter::Circle(const SvgPoint& centre, double radius, std::string_view attributes) {
-  body_ += fmt::format("<circle cx='{}' cy='{}' r='{}' {}/>\n", Number(centre.x()), Number(centre.y()), Number(radius),
+void SvgWriter::Circle(const SvgPoint& center, double radius, std::string_view attributes) {
+  body_ += fmt::format("<circle cx='{}' cy='{}' r='{}' {}/>\n", Number(center.x()), Number(center.y()), Number(radius),
                        attributes);
 }
 

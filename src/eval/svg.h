@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Just enough SVG for a plot.
 #pragma once
 
@@ -20,7 +21,7 @@ class SvgWriter {
   SvgWriter(double width, double height);
 
   void Rectangle(const SvgPoint& corner, double width, double height, std::string_view attributes);
-  void Circle(const SvgPoint& centre, double radius, std::string_view attributes);
+  void Circle(const SvgPoint& center, double radius, std::string_view attributes);
   void Line(const SvgPoint& from, const SvgPoint& to, std::string_view attributes);
   // Nothing for fewer than two points.
   void Polyline(std::span<const SvgPoint> points, std::string_view attributes);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Which pose of an estimate belongs to which pose of the ground truth.
 #pragma once
 

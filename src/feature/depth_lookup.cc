@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "feature/depth_lookup.h"
 
 #include <algorithm>
@@ -12,7 +13,7 @@ constexpr int kJumpShare = 10;
 }  // namespace
 
 DepthLookup::DepthLookup(const Image16& depth) : depth_(depth) {
-  // In a dense image nearly all neighbours of a pixel with depth have depth, too, however many holes there are.
+  // In a dense image nearly all neighbors of a pixel with depth have depth, too, however many holes there are.
   constexpr int kStep_px = 7;  // shares no factor with the patterns that registration leaves in common sizes
   constexpr double kDenseShare = 0.6;
   constexpr int kFarthest_px = 8;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Depth at pixels of a registered depth image, dense or full of holes.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "feature/frame_data.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The features of one RGB-D frame.
 #pragma once
 
@@ -70,7 +71,7 @@ struct DepthGrid {
 // What is known of a sample's surface.
 enum class SampleMotion : std::uint8_t {
   kNone,
-  kBeside,  // next to a sample of what moves
+  kBoundary,  // next to a sample of what moves
   kMoves,
 };
 

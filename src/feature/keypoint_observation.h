@@ -1,4 +1,5 @@
-// A keypoint as the optimisers take it.
+// SPDX-License-Identifier: Apache-2.0
+// A keypoint as the optimizers take it.
 #pragma once
 
 #include "feature/frame_data.h"

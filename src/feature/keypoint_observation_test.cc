@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "feature/keypoint_observation.h"
 
 #include <gtest/gtest.h>
@@ -11,7 +12,7 @@
 namespace rds {
 namespace {
 
-// Corners everywhere: blocks of 4 x 4 pixels of random grey.
+// Corners everywhere: blocks of 4 x 4 pixels of random gray.
 Image8 Speckled(int width, int height) {
   Random random(12);
   Image8 image(width, height);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Descriptor matching: thresholds, best candidate in a window, rotation check.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "feature/orb.h"
 
 #include <algorithm>
@@ -46,12 +47,12 @@ std::vector<std::size_t> FeaturesPerLevel(const OrbOptions& options) {
 // `near_raw`, there are holes. A sensor that triangulates leaves them beside near surfaces, the wider the nearer, and
 // between them often sees the near surface where the camera looks past it.
 bool IsAtEdge(const DepthLookup& depth, int x, int y, std::uint16_t raw, double near_raw) {
-  constexpr int kReach_px = 6;
+  constexpr int kMaxDistance_px = 6;
   constexpr int kEdgeShare = 10;  // a tenth of the depth
   constexpr int kEdgeHoles = 2;
   int holes = 0;
-  for (const int dy : {-kReach_px, 0, kReach_px}) {
-    for (const int dx : {-kReach_px, 0, kReach_px}) {
+  for (const int dy : {-kMaxDistance_px, 0, kMaxDistance_px}) {
+    for (const int dx : {-kMaxDistance_px, 0, kMaxDistance_px}) {
       if (x + dx < 0 || y + dy < 0 || x + dx >= depth.width() || y + dy >= depth.height()) {
         continue;
       }
@@ -68,7 +69,7 @@ bool IsAtEdge(const DepthLookup& depth, int x, int y, std::uint16_t raw, double 
 
 void LookUpDepth(const PinholeCamera& camera, const DepthLookup& depth, bool edges, std::vector<Keypoint>& keypoints) {
   const auto bf = static_cast<float>(camera.Bf());
-  const auto metres_per_unit = static_cast<float>(1 / camera.depth_scale);
+  const auto meters_per_unit = static_cast<float>(1 / camera.depth_scale);
   constexpr double kNearBaselines = 15;
   const double near_raw = kNearBaselines * camera.baseline_m * camera.depth_scale;
   for (Keypoint& keypoint : keypoints) {
@@ -76,7 +77,7 @@ void LookUpDepth(const PinholeCamera& camera, const DepthLookup& depth, bool edg
     const auto y = static_cast<int>(std::lround(keypoint.raw_y));
     const std::uint16_t raw = depth.At(x, y);
     if (raw != 0) {
-      keypoint.depth_m = static_cast<float>(raw) * metres_per_unit;
+      keypoint.depth_m = static_cast<float>(raw) * meters_per_unit;
       keypoint.right_x = keypoint.x - bf / keypoint.depth_m;
       keypoint.at_edge = edges && IsAtEdge(depth, x, y, raw, near_raw);
     }
@@ -86,12 +87,12 @@ void LookUpDepth(const PinholeCamera& camera, const DepthLookup& depth, bool edg
 DepthGrid SampleDepth(const PinholeCamera& camera, const DepthLookup& depth) {
   DepthGrid grid{depth.width() / kDepthGridStep, depth.height() / kDepthGridStep, {}};
   grid.depth_m.reserve(static_cast<std::size_t>(grid.columns * grid.rows));
-  const auto metres_per_unit = static_cast<float>(1 / camera.depth_scale);
+  const auto meters_per_unit = static_cast<float>(1 / camera.depth_scale);
   for (int row = 0; row < grid.rows; ++row) {
     for (int column = 0; column < grid.columns; ++column) {
       const std::uint16_t raw =
           depth.At(column * kDepthGridStep + kDepthGridStep / 2, row * kDepthGridStep + kDepthGridStep / 2);
-      grid.depth_m.push_back(static_cast<float>(raw) * metres_per_unit);
+      grid.depth_m.push_back(static_cast<float>(raw) * meters_per_unit);
     }
   }
   return grid;
@@ -122,15 +123,15 @@ struct OrbExtractor::Impl {
   PatchDescriber describer;
 
   // Buffers, kept between frames.
-  std::vector<GreyPlane> levels;
+  std::vector<GrayPlane> levels;
   std::vector<Shrinker> shrinkers;  // by level; the first is unused
-  GreyPlane blurred;
+  GrayPlane blurred;
   std::vector<std::uint8_t> blurred_row;
   FastDetector detector;
   CornerSelector selector;
   std::vector<Corner> corners;
   std::vector<Corner> moving_corners;
-  std::vector<Corner> beside_corners;
+  std::vector<Corner> boundary_corners;
 
   explicit Impl(const OrbOptions& options_)
       : options(options_),
@@ -150,7 +151,7 @@ void OrbExtractor::Impl::Select(std::size_t level, std::span<const SampleMotion>
   const int height = levels[level].height();
   selector.DropWeak(width, height, static_cast<std::uint8_t>(options.fast_threshold), corners);
   moving_corners.clear();
-  beside_corners.clear();
+  boundary_corners.clear();
   if (!motion.empty()) {
     const int columns = levels[0].width() / kDepthGridStep;
     const int rows = levels[0].height() / kDepthGridStep;
@@ -160,7 +161,7 @@ void OrbExtractor::Impl::Select(std::size_t level, std::span<const SampleMotion>
       const int row = std::min(static_cast<int>(static_cast<float>(corner.y) * cells_per_px), rows - 1);
       const SampleMotion here = motion[static_cast<std::size_t>(row * columns + column)];
       if (here != SampleMotion::kNone) {
-        (here == SampleMotion::kMoves ? moving_corners : beside_corners).push_back(corner);
+        (here == SampleMotion::kMoves ? moving_corners : boundary_corners).push_back(corner);
       }
       return here != SampleMotion::kNone;
     });
@@ -170,15 +171,15 @@ void OrbExtractor::Impl::Select(std::size_t level, std::span<const SampleMotion>
     selector.Spread(width, height, static_cast<std::size_t>(std::lround(wanted)), some);
   };
   spread(1, corners);
-  spread(level < kFirstMovingLevel ? 0 : options.moving_share, moving_corners);
-  spread(options.beside_share, beside_corners);
+  spread(level < kFirstMovingLevel ? 0 : options.moving_ratio, moving_corners);
+  spread(options.boundary_ratio, boundary_corners);
   corners.insert(corners.end(), moving_corners.begin(), moving_corners.end());
-  corners.insert(corners.end(), beside_corners.begin(), beside_corners.end());
+  corners.insert(corners.end(), boundary_corners.begin(), boundary_corners.end());
 }
 
 void OrbExtractor::Impl::ExtractLevel(std::size_t level, std::span<const SampleMotion> motion,
                                       std::vector<Keypoint>& keypoints, std::vector<Descriptor>& descriptors) {
-  const GreyPlane& image = levels[level];
+  const GrayPlane& image = levels[level];
   const int inner_width = image.width() - 2 * kBorder;
   const int inner_height = image.height() - 2 * kBorder;
   if (inner_width < 1 || inner_height < 1) {
@@ -205,14 +206,14 @@ void OrbExtractor::Impl::ExtractLevel(std::size_t level, std::span<const SampleM
 }
 
 OrbExtractor::OrbExtractor(const OrbOptions& options) {
-  Check(options.features >= 0 && options.features * (1 + options.moving_share + options.beside_share) <
+  Check(options.features >= 0 && options.features * (1 + options.moving_ratio + options.boundary_ratio) <
                                      std::numeric_limits<std::uint16_t>::max(),
         "fewer than 65535 features");
   Check(options.levels > 0 && options.levels <= 255 && options.scale_factor > 1 && options.scale_factor <= 4,
         "a pyramid has levels that shrink, by at most 4");
   Check(options.min_fast_threshold >= 0 && options.min_fast_threshold <= options.fast_threshold &&
             options.fast_threshold <= 255,
-        "FAST thresholds are grey values, the minimum not above the other");
+        "FAST thresholds are gray values, the minimum not above the other");
   impl_ = std::make_unique<Impl>(options);
 }
 
@@ -223,7 +224,7 @@ const ScalePyramid& OrbExtractor::pyramid() const { return impl_->pyramid; }
 FrameData OrbExtractor::Extract(const PinholeCamera& camera, const Image8& image, const Image16& depth,
                                 std::span<const SampleMotion> motion) {
   Check(image.width == camera.width && image.height == camera.height && (image.channels == 1 || image.channels == 3),
-        "a grey or BGR image of the camera's size");
+        "a gray or BGR image of the camera's size");
   Check(depth.width == camera.width && depth.height == camera.height && depth.channels == 1,
         "a depth image of the camera's size");
   Check(std::max(image.width, image.height) <= std::numeric_limits<std::int16_t>::max(),
@@ -234,10 +235,10 @@ FrameData OrbExtractor::Extract(const PinholeCamera& camera, const Image8& image
   std::vector<Descriptor> descriptors;
   keypoints.reserve(static_cast<std::size_t>(impl_->options.features));
   descriptors.reserve(static_cast<std::size_t>(impl_->options.features));
-  ToGrey(image, impl_->levels[0]);
+  ToGray(image, impl_->levels[0]);
   for (std::size_t level = 0; level < impl_->levels.size(); ++level) {
     if (level > 0) {
-      const GreyPlane& larger = impl_->levels[level - 1];
+      const GrayPlane& larger = impl_->levels[level - 1];
       if (std::min(larger.width(), larger.height()) <= 2 * kBorder) {
         break;  // this level and all after it are smaller than a patch
       }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "feature/orb_descriptor.h"
 
 #include <cmath>
@@ -41,13 +42,13 @@ float Orientation::AngleDeg() const {
   return angle < 360 ? angle : 0;
 }
 
-Orientation OrientationAt(const std::uint8_t* centre, std::ptrdiff_t stride) {
+Orientation OrientationAt(const std::uint8_t* center, std::ptrdiff_t stride) {
   int sum_x = 0;
   int sum_y = 0;
   const std::int8_t* weight_x = kMomentWeights.x.data();
   const std::int8_t* weight_y = kMomentWeights.y.data();
   for (int y = -kPatchRadius; y <= kPatchRadius; ++y, weight_x += kColumns, weight_y += kColumns) {
-    const std::uint8_t* const row = centre + y * stride - 16;
+    const std::uint8_t* const row = center + y * stride - 16;
     for (int i = 0; i < kColumns; ++i) {
       sum_x += row[i] * weight_x[i];
       sum_y += row[i] * weight_y[i];
@@ -71,7 +72,7 @@ PatchDescriber::PatchDescriber() {
   }
 }
 
-Descriptor PatchDescriber::Describe(const std::uint8_t* centre, std::ptrdiff_t stride, Orientation orientation) const {
+Descriptor PatchDescriber::Describe(const std::uint8_t* center, std::ptrdiff_t stride, Orientation orientation) const {
   // Offsets from the patch's corner are positive, so that cutting off after the addition of a half rounds.
   constexpr int kCorner = kPatchRadius + 1;
   constexpr float kHalf = 0.5F + kCorner;
@@ -82,7 +83,7 @@ Descriptor PatchDescriber::Describe(const std::uint8_t* centre, std::ptrdiff_t s
     const auto y = static_cast<std::int32_t>(x_[i] * orientation.sine + y_[i] * orientation.cosine + kHalf);
     offsets[i] = y * signed_stride + x;
   }
-  const std::uint8_t* const corner = centre - kCorner * stride - kCorner;
+  const std::uint8_t* const corner = center - kCorner * stride - kCorner;
   Descriptor descriptor;
   for (std::size_t word = 0; word < descriptor.size(); ++word) {
     std::uint64_t bits = 0;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "feature/orb_descriptor.h"
 
 #include <gtest/gtest.h>
@@ -25,7 +26,7 @@ std::vector<std::uint8_t> RandomPatch(std::uint64_t seed) {
   return patch;
 }
 
-std::uint8_t* CentreOf(std::vector<std::uint8_t>& patch) { return &patch[kSize * 24 + 24]; }
+std::uint8_t* CenterOf(std::vector<std::uint8_t>& patch) { return &patch[kSize * 24 + 24]; }
 
 TEST(OrbPattern, HasDistinctPairsWithinTheRadius) {
   std::set<std::tuple<int, int, int, int>> seen;
@@ -48,39 +49,39 @@ TEST(OrientationAt, PointsToTheBrightSide) {
         patch[static_cast<std::size_t>(y * kSize + x)] = static_cast<std::uint8_t>(128 + 3 * along);
       }
     }
-    const float found = OrientationAt(CentreOf(patch), kSize).AngleDeg();
+    const float found = OrientationAt(CenterOf(patch), kSize).AngleDeg();
     EXPECT_GE(found, 0);
     EXPECT_LT(found, 360);
     EXPECT_NEAR(std::remainder(static_cast<double>(found) - degrees, 360.0), 0, 1.5) << degrees;
   }
   std::vector<std::uint8_t> flat(static_cast<std::size_t>(kSize * kSize), 77);
-  EXPECT_EQ(OrientationAt(CentreOf(flat), kSize).AngleDeg(), 0);
+  EXPECT_EQ(OrientationAt(CenterOf(flat), kSize).AngleDeg(), 0);
 }
 
 TEST(OrientationAt, UsesARoundPatch) {
   std::vector<std::uint8_t> patch(static_cast<std::size_t>(kSize * kSize));
-  std::uint8_t* const centre = CentreOf(patch);
-  centre[std::ptrdiff_t{5} * kSize] = 100;
-  EXPECT_FLOAT_EQ(OrientationAt(centre, kSize).AngleDeg(), 90);
-  centre[-16] = 255;  // outside the patch: no effect
-  centre[std::ptrdiff_t{-12} * kSize - 12] = 255;
-  EXPECT_FLOAT_EQ(OrientationAt(centre, kSize).AngleDeg(), 90);
+  std::uint8_t* const center = CenterOf(patch);
+  center[std::ptrdiff_t{5} * kSize] = 100;
+  EXPECT_FLOAT_EQ(OrientationAt(center, kSize).AngleDeg(), 90);
+  center[-16] = 255;  // outside the patch: no effect
+  center[std::ptrdiff_t{-12} * kSize - 12] = 255;
+  EXPECT_FLOAT_EQ(OrientationAt(center, kSize).AngleDeg(), 90);
 }
 
 TEST(PatchDescriber, ComparesThePairsOfThePattern) {
   const PatchDescriber describer;
   std::vector<std::uint8_t> patch = RandomPatch(1);
-  const std::uint8_t* const centre = CentreOf(patch);
+  const std::uint8_t* const center = CenterOf(patch);
   struct Turn {
     int cosine;
     int sine;
   };
   for (const Turn turn : {Turn{1, 0}, Turn{0, 1}, Turn{-1, 0}, Turn{0, -1}}) {
     const Descriptor descriptor =
-        describer.Describe(centre, kSize, {static_cast<float>(turn.cosine), static_cast<float>(turn.sine)});
+        describer.Describe(center, kSize, {static_cast<float>(turn.cosine), static_cast<float>(turn.sine)});
     for (std::size_t i = 0; i < 256; ++i) {
       const auto pixel = [&](int x, int y) {
-        return centre[(x * turn.sine + y * turn.cosine) * kSize + x * turn.cosine - y * turn.sine];
+        return center[(x * turn.sine + y * turn.cosine) * kSize + x * turn.cosine - y * turn.sine];
       };
       const PixelPair pair = OrbPattern()[i];
       const bool expected = pixel(pair.ax, pair.ay) < pixel(pair.bx, pair.by);
@@ -94,7 +95,7 @@ TEST(PatchDescriber, DescribesDifferentPatchesDifferently) {
   std::vector<std::uint8_t> a = RandomPatch(2);
   std::vector<std::uint8_t> b = RandomPatch(3);
   const int distance =
-      HammingDistance(describer.Describe(CentreOf(a), kSize, {}), describer.Describe(CentreOf(b), kSize, {}));
+      HammingDistance(describer.Describe(CenterOf(a), kSize, {}), describer.Describe(CenterOf(b), kSize, {}));
   EXPECT_GT(distance, 90);
   EXPECT_LT(distance, 166);
 }

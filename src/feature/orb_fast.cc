@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "feature/orb_fast.h"
 
 #include <array>
@@ -8,8 +9,8 @@
 namespace rds {
 namespace {
 
-// Scores of the pixels from p on, given the pixels of the circle: how far the darkest of nine neighbours can lie above
-// the centre, or the brightest below.
+// Scores of the pixels from p on, given the pixels of the circle: how far the darkest of nine neighbors can lie above
+// the center, or the brightest below.
 ByteVector ScoreOf(const std::uint8_t* p, std::ptrdiff_t stride) {
   const std::array<ByteVector, 16> circle = {
       LoadBytes(p - 3 * stride),
@@ -50,22 +51,22 @@ ByteVector ScoreOf(const std::uint8_t* p, std::ptrdiff_t stride) {
     brightest_low = Max(brightest_low, Min(Min(low4[i], low4[(i + 2) % 8]), Max(before, after)));
     darkest_high = Min(darkest_high, Max(Max(high4[i], high4[(i + 2) % 8]), Min(before, after)));
   }
-  const ByteVector centre = LoadBytes(p);
-  return Max(SubtractSaturated(brightest_low, centre), SubtractSaturated(centre, darkest_high));
+  const ByteVector center = LoadBytes(p);
+  return Max(SubtractSaturated(brightest_low, center), SubtractSaturated(center, darkest_high));
 }
 
-// An upper bound of ScoreOf: every arc of nine has two neighbours of the circle's four compass points.
+// An upper bound of ScoreOf: every arc of nine has two neighbors of the circle's four compass points.
 ByteVector ScoreBound(const std::uint8_t* p, std::ptrdiff_t stride) {
   const ByteVector north = LoadBytes(p - 3 * stride);
   const ByteVector south = LoadBytes(p + 3 * stride);
   const ByteVector east = LoadBytes(p + 3);
   const ByteVector west = LoadBytes(p - 3);
-  const ByteVector centre = LoadBytes(p);
-  return Max(SubtractSaturated(Min(Max(north, south), Max(east, west)), centre),
-             SubtractSaturated(centre, Max(Min(north, south), Min(east, west))));
+  const ByteVector center = LoadBytes(p);
+  return Max(SubtractSaturated(Min(Max(north, south), Max(east, west)), center),
+             SubtractSaturated(center, Max(Min(north, south), Min(east, west))));
 }
 
-// Bit i tells whether score row[i] is above the threshold and no neighbour's is larger; of equal neighbours, the last
+// Bit i tells whether score row[i] is above the threshold and no neighbor's is larger; of equal neighbors, the last
 // counts.
 std::uint64_t MaximaMask(const std::uint8_t* upper, const std::uint8_t* row, const std::uint8_t* lower,
                          ByteVector threshold) {
@@ -81,7 +82,7 @@ constexpr int kPadding = kByteLanes + 16;
 
 }  // namespace
 
-void FastDetector::Score(const GreyPlane& image, int y, std::uint8_t threshold, int begin, int end,
+void FastDetector::Score(const GrayPlane& image, int y, std::uint8_t threshold, int begin, int end,
                          ScoreRow& row) const {
   const ByteVector thresholds = ByteVector{} + threshold;
   std::size_t block = 0;
@@ -96,7 +97,7 @@ void FastDetector::Score(const GreyPlane& image, int y, std::uint8_t threshold, 
   }
 }
 
-void FastDetector::Detect(const GreyPlane& image, std::uint8_t threshold, int border, std::vector<Corner>& corners) {
+void FastDetector::Detect(const GrayPlane& image, std::uint8_t threshold, int border, std::vector<Corner>& corners) {
   corners.clear();
   // Scores are needed one pixel around the corners.
   const int begin = border - 1;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // FAST corners.
 #pragma once
 
@@ -9,12 +10,12 @@
 
 namespace rds {
 
-// A corner in a grey image.
+// A corner in a gray image.
 struct Corner {
   std::int16_t x = 0;
   std::int16_t y = 0;
-  std::uint8_t score = 0;  // largest difference of grey that still makes it a corner
-  // Scores of its neighbours, none larger than its own.
+  std::uint8_t score = 0;  // largest difference of gray that still makes it a corner
+  // Scores of its neighbors, none larger than its own.
   std::uint8_t left = 0;
   std::uint8_t right = 0;
   std::uint8_t above = 0;
@@ -32,12 +33,12 @@ struct Corner {
 };
 
 // Finds FAST-9/16 corners (Rosten and Drummond, "Machine learning for high-speed corner detection", ECCV 2006): nine
-// neighbouring pixels of the circle of radius 3 all brighter or all darker than the centre by more than a threshold.
-// Keeps only those whose score is the largest of their 3 x 3 neighbourhood. Not thread-safe: keeps its buffers.
+// neighboring pixels of the circle of radius 3 all brighter or all darker than the center by more than a threshold.
+// Keeps only those whose score is the largest of their 3 x 3 neighborhood. Not thread-safe: keeps its buffers.
 class FastDetector {
  public:
   // Corners above `threshold` at least `border` >= 4 pixels from the image's edges, by rows.
-  void Detect(const GreyPlane& image, std::uint8_t threshold, int border, std::vector<Corner>& corners);
+  void Detect(const GrayPlane& image, std::uint8_t threshold, int border, std::vector<Corner>& corners);
 
  private:
   struct ScoreRow {
@@ -45,7 +46,7 @@ class FastDetector {
     std::vector<std::uint8_t> filled;  // by block: whether any score in it is above the threshold
   };
   // Both for pixels `begin` to `end` of a row, and for maxima not the first and last.
-  void Score(const GreyPlane& image, int y, std::uint8_t threshold, int begin, int end, ScoreRow& row) const;
+  void Score(const GrayPlane& image, int y, std::uint8_t threshold, int begin, int end, ScoreRow& row) const;
   void FindMaxima(int y, std::uint8_t threshold, int begin, int end, std::vector<Corner>& corners);
 
   [[nodiscard]] ScoreRow& RowOf(int y) { return rows_[static_cast<unsigned>(y) % 3]; }

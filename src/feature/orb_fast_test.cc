@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "feature/orb_fast.h"
 
 #include <gtest/gtest.h>
@@ -14,8 +15,8 @@
 namespace rds {
 namespace {
 
-// The definition: the largest difference that all of some nine neighbouring pixels of the circle keep from the centre.
-int NaiveScore(const GreyPlane& image, int x, int y) {
+// The definition: the largest difference that all of some nine neighboring pixels of the circle keep from the center.
+int NaiveScore(const GrayPlane& image, int x, int y) {
   constexpr std::array<std::array<int, 2>, 16> kCircle = {{{0, -3},
                                                            {1, -3},
                                                            {2, -2},
@@ -46,9 +47,9 @@ int NaiveScore(const GreyPlane& image, int x, int y) {
   return score;
 }
 
-GreyPlane RandomPlane(int width, int height, std::uint64_t seed) {
+GrayPlane RandomPlane(int width, int height, std::uint64_t seed) {
   Random random(seed);
-  GreyPlane plane;
+  GrayPlane plane;
   plane.Resize(width, height);
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
@@ -65,7 +66,7 @@ TEST(FastDetector, EqualsItsDefinition) {
   constexpr int kThreshold = 12;
   FastDetector detector;
   for (const auto& [width, height] : {std::pair{150, 61}, {63, 64}, {9, 9}, {10, 30}, {8, 30}}) {
-    const GreyPlane image = RandomPlane(width, height, 1);
+    const GrayPlane image = RandomPlane(width, height, 1);
     std::vector<Corner> corners;
     detector.Detect(image, kThreshold, kBorder, corners);
     std::vector<Corner> expected;
@@ -98,7 +99,7 @@ TEST(FastDetector, EqualsItsDefinition) {
   }
 }
 
-TEST(Corner, IsRefinedTowardsTheLargerNeighbour) {
+TEST(Corner, IsRefinedTowardTheLargerNeighbor) {
   const Corner corner{10, 20, 40, 20, 30, 40, 10};
   EXPECT_FLOAT_EQ(corner.FineX(), 10 + 10.0F / 60);
   EXPECT_FLOAT_EQ(corner.FineY(), 20 - 0.5F);

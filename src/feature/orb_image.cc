@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "feature/orb_image.h"
 
 #include <algorithm>
@@ -31,10 +32,10 @@ Bytes16 Shuffle(Bytes16 v, Bytes16 indices) {
 
 }  // namespace
 
-void ToGrey(const Image8& image, GreyPlane& grey) {
-  grey.Resize(image.width, image.height);
+void ToGray(const Image8& image, GrayPlane& gray) {
+  gray.Resize(image.width, image.height);
   const std::uint8_t* from = image.data.data();
-  std::uint8_t* const to = grey.Row(0);
+  std::uint8_t* const to = gray.Row(0);
   const std::size_t size = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
   if (image.channels == 1) {
     std::copy(from, from + size, to);
@@ -69,12 +70,12 @@ void Shrinker::Prepare(int from_width, int to_width, double factor) {
       }
       left -= block.base;
       narrow_ = narrow_ && left + 1 < 16;
-      block.neighbours[2 * i] = static_cast<std::uint8_t>(left);
-      block.neighbours[2 * i + 1] = static_cast<std::uint8_t>(left + 1);
+      block.neighbors[2 * i] = static_cast<std::uint8_t>(left);
+      block.neighbors[2 * i + 1] = static_cast<std::uint8_t>(left + 1);
       block.weights[i] = static_cast<std::uint16_t>(weight);
     }
   }
-  row_.assign(static_cast<std::size_t>(from_width) + GreyPlane::kPadding, 0);
+  row_.assign(static_cast<std::size_t>(from_width) + GrayPlane::kPadding, 0);
 }
 
 void Shrinker::ShrinkRow(int width, std::uint8_t* to) const {
@@ -84,8 +85,8 @@ void Shrinker::ShrinkRow(int width, std::uint8_t* to) const {
     for (int x = 0; x < width; ++x) {
       const Block& block = blocks_[static_cast<std::size_t>(x / kBlock)];
       const auto i = static_cast<std::size_t>(x % kBlock);
-      const int left = from[block.base + block.neighbours[2 * i]];
-      const int right = from[block.base + block.neighbours[2 * i + 1]];
+      const int left = from[block.base + block.neighbors[2 * i]];
+      const int right = from[block.base + block.neighbors[2 * i + 1]];
       to[x] =
           static_cast<std::uint8_t>((left * (kOne - block.weights[i]) + right * block.weights[i] + kOne / 2) / kOne);
     }
@@ -93,12 +94,12 @@ void Shrinker::ShrinkRow(int width, std::uint8_t* to) const {
   }
   for (const Block& block : blocks_) {
     Bytes16 pixels;
-    Bytes16 neighbours;
+    Bytes16 neighbors;
     Words8 weights;
     std::memcpy(&pixels, from + block.base, sizeof pixels);
-    std::memcpy(&neighbours, block.neighbours.data(), sizeof neighbours);
+    std::memcpy(&neighbors, block.neighbors.data(), sizeof neighbors);
     std::memcpy(&weights, block.weights.data(), sizeof weights);
-    const auto pairs = std::bit_cast<Words8>(Shuffle(pixels, neighbours));
+    const auto pairs = std::bit_cast<Words8>(Shuffle(pixels, neighbors));
     const Words8 sum = (pairs & 0xff) * (kOne - weights) + (pairs >> 8) * weights + kOne / 2;
     const auto result = __builtin_convertvector(sum / kOne, Bytes8);
     std::memcpy(to, &result, sizeof result);
@@ -106,7 +107,7 @@ void Shrinker::ShrinkRow(int width, std::uint8_t* to) const {
   }
 }
 
-void Shrinker::Shrink(const GreyPlane& from, double factor, GreyPlane& to) {
+void Shrinker::Shrink(const GrayPlane& from, double factor, GrayPlane& to) {
   to.Resize(static_cast<int>(from.width() / factor), static_cast<int>(from.height() / factor));
   Prepare(from.width(), to.width(), factor);
   for (int y = 0; y < to.height(); ++y) {
@@ -125,17 +126,17 @@ void Shrinker::Shrink(const GreyPlane& from, double factor, GreyPlane& to) {
   }
 }
 
-void Blur(const GreyPlane& from, GreyPlane& to, std::vector<std::uint8_t>& row) {
+void Blur(const GrayPlane& from, GrayPlane& to, std::vector<std::uint8_t>& row) {
   to.Resize(from.width(), from.height());
-  row.resize(static_cast<std::size_t>(from.width()) + GreyPlane::kPadding);
+  row.resize(static_cast<std::size_t>(from.width()) + GrayPlane::kPadding);
   // (1 0 1) twice makes (1 0 2 0 1) / 4, then (1 2 1) / 4 of three of those.
   const auto kernel = [](const std::uint8_t* p, std::ptrdiff_t step) {
     const ByteVector p2 = LoadBytes(p + 2 * step);
     const ByteVector p4 = LoadBytes(p + 4 * step);
     const ByteVector before = Average(p2, Average(LoadBytes(p), p4));
-    const ByteVector centre = Average(LoadBytes(p + 3 * step), Average(LoadBytes(p + step), LoadBytes(p + 5 * step)));
+    const ByteVector center = Average(LoadBytes(p + 3 * step), Average(LoadBytes(p + step), LoadBytes(p + 5 * step)));
     const ByteVector after = Average(p4, Average(p2, LoadBytes(p + 6 * step)));
-    return Average(centre, Average(before, after));
+    return Average(center, Average(before, after));
   };
   for (int y = 3; y < from.height() - 3; ++y) {
     for (int x = 0; x < from.width(); x += kByteLanes) {

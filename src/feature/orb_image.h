@@ -1,4 +1,5 @@
-// Grey images of the ORB extractor: conversion, pyramid, blur. All integer arithmetic.
+// SPDX-License-Identifier: Apache-2.0
+// Gray images of the ORB extractor: conversion, pyramid, blur. All integer arithmetic.
 #pragma once
 
 #include <algorithm>
@@ -11,10 +12,10 @@
 
 namespace rds {
 
-// A grey image whose buffer lasts: Resize to a size that it had before costs nothing. A few bytes beyond each row's end
+// A gray image whose buffer lasts: Resize to a size that it had before costs nothing. A few bytes beyond each row's end
 // may be read and (in ascending order of rows) written, so that loops over whole vectors need no remainder. Not
 // thread-safe.
-class GreyPlane {
+class GrayPlane {
  public:
   static constexpr int kPadding = 128;  // readable and writable bytes after the last row
 
@@ -35,22 +36,22 @@ class GreyPlane {
   std::vector<std::uint8_t> data_;
 };
 
-// Grey of a grey or BGR image (weights of ITU-R BT.601).
-void ToGrey(const Image8& image, GreyPlane& grey);
+// Gray of a gray or BGR image (weights of ITU-R BT.601).
+void ToGray(const Image8& image, GrayPlane& gray);
 
-// Shrinks an image by `factor` > 1, bilinear. Pixel centres: x of the small image is (x + 0.5) * factor - 0.5 in the
+// Shrinks an image by `factor` > 1, bilinear. Pixel centers: x of the small image is (x + 0.5) * factor - 0.5 in the
 // large one. Keeps its tables while sizes stay. Not thread-safe.
 class Shrinker {
  public:
   // Writes the shrunk image, of floor(size / factor) pixels.
-  void Shrink(const GreyPlane& from, double factor, GreyPlane& to);
+  void Shrink(const GrayPlane& from, double factor, GrayPlane& to);
 
  private:
   // Eight pixels of a row: where they come from.
   struct Block {
-    int base;                                 // first source pixel
-    std::array<std::uint8_t, 16> neighbours;  // left and right neighbour of each pixel, from base
-    std::array<std::uint16_t, 8> weights;     // of the right neighbour, of kOne
+    int base;                                // first source pixel
+    std::array<std::uint8_t, 16> neighbors;  // left and right neighbor of each pixel, from base
+    std::array<std::uint16_t, 8> weights;    // of the right neighbor, of kOne
   };
   void Prepare(int from_width, int to_width, double factor);
   void ShrinkRow(int width, std::uint8_t* to) const;
@@ -65,6 +66,6 @@ class Shrinker {
 
 // Smooths with the kernel (1 2 3 4 3 2 1) / 16 in x and y, whose standard deviation is 1.6 pixels. The outermost 3
 // pixels are left undefined. Resizes `to`; `row` is scratch.
-void Blur(const GreyPlane& from, GreyPlane& to, std::vector<std::uint8_t>& row);
+void Blur(const GrayPlane& from, GrayPlane& to, std::vector<std::uint8_t>& row);
 
 }  // namespace rds

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "feature/orb_image.h"
 
 #include <gtest/gtest.h>
@@ -13,9 +14,9 @@
 namespace rds {
 namespace {
 
-GreyPlane RandomPlane(int width, int height, std::uint64_t seed) {
+GrayPlane RandomPlane(int width, int height, std::uint64_t seed) {
   Random random(seed);
-  GreyPlane plane;
+  GrayPlane plane;
   plane.Resize(width, height);
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
@@ -25,28 +26,28 @@ GreyPlane RandomPlane(int width, int height, std::uint64_t seed) {
   return plane;
 }
 
-TEST(ToGrey, RoundsTheWeightedSum) {
+TEST(ToGray, RoundsTheWeightedSum) {
   Random random(1);
   Image8 image(67, 5, 3);
   for (std::uint8_t& value : image.data) {
     value = static_cast<std::uint8_t>(random.Index(256));
   }
-  GreyPlane grey;
-  ToGrey(image, grey);
+  GrayPlane gray;
+  ToGray(image, gray);
   for (int y = 0; y < 5; ++y) {
     for (int x = 0; x < 67; ++x) {
       const std::uint8_t* bgr = &image.At(x, y);
-      EXPECT_NEAR(grey.Row(y)[x], 0.114 * bgr[0] + 0.587 * bgr[1] + 0.299 * bgr[2], 1.2);
+      EXPECT_NEAR(gray.Row(y)[x], 0.114 * bgr[0] + 0.587 * bgr[1] + 0.299 * bgr[2], 1.2);
     }
   }
 }
 
-TEST(Shrinker, InterpolatesAtPixelCentres) {
+TEST(Shrinker, InterpolatesAtPixelCenters) {
   Shrinker shrinker;
   for (const double factor : {1.2, 1.5, 1.1, 2.0, 3.7}) {  // of which the largest do not fit the fast path
     for (const int width : {101, 64, 7}) {
-      const GreyPlane from = RandomPlane(width, 33, 2);
-      GreyPlane to;
+      const GrayPlane from = RandomPlane(width, 33, 2);
+      GrayPlane to;
       shrinker.Shrink(from, factor, to);
       ASSERT_EQ(to.width(), static_cast<int>(width / factor));
       ASSERT_EQ(to.height(), static_cast<int>(33 / factor));
@@ -71,8 +72,8 @@ TEST(Shrinker, InterpolatesAtPixelCentres) {
 TEST(Blur, ConvolvesWithItsKernel) {
   constexpr std::array<int, 7> kKernel = {1, 2, 3, 4, 3, 2, 1};
   for (const int width : {100, 63, 7}) {
-    const GreyPlane from = RandomPlane(width, 40, 3);
-    GreyPlane to;
+    const GrayPlane from = RandomPlane(width, 40, 3);
+    GrayPlane to;
     std::vector<std::uint8_t> row;
     Blur(from, to, row);
     for (int y = 3; y < 37; ++y) {

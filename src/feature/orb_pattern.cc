@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Made by orb_pattern.py: do not edit.
 #include "feature/orb_pattern.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Pixel pairs that the ORB descriptor compares.
 #pragma once
 

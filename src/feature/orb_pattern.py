@@ -1,4 +1,5 @@
 #!/ usr / bin / env python3
+# SPDX-License-Identifier: Apache-2.0
 """Computes the 256 pixel pairs of the descriptor and prints orb_pattern.cc (then run clang-format). Needs nothing but Python; takes a minute.
 
 rBRIEF (Rublee et al., "ORB: an efficient alternative to SIFT or SURF", ICCV 2011, section 4.3) looks for tests that are
@@ -41,7 +42,7 @@ def moment_covariances():
 
 
 def candidates():
-    """Tests (ax, ay, bx, by, variance, covariance with the normalised moment in y), least biased first."""
+    """Tests (ax, ay, bx, by, variance, covariance with the normalized moment in y), least biased first."""
     moment, moment_variance = moment_covariances()
     sigma = math.sqrt(moment_variance)
     generator = random.Random(1)

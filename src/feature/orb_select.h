@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Choice of corners that cover an image evenly.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Vectors of bytes as wide as the processor's registers. The arithmetic is exact, so results do not depend on the
 // width.
 #pragma once

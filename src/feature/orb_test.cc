@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "feature/orb.h"
 
 #include <gtest/gtest.h>
@@ -16,7 +17,6 @@
 
 namespace rds {
 namespace {
-
 PinholeCamera CameraOf(int width, int height) {
   PinholeCamera camera;
   camera.width = width;
@@ -27,7 +27,7 @@ PinholeCamera CameraOf(int width, int height) {
   return camera;
 }
 
-// Rectangles and discs of random grey, slightly smoothed: corners at many scales.
+// Rectangles and discs of random gray, slightly smoothed: corners at many scales.
 cv::Mat Textured(int width, int height, std::uint64_t seed) {
   Random random(seed);
   cv::Mat image(height, width, CV_8UC1, cv::Scalar(128));
@@ -36,11 +36,11 @@ cv::Mat Textured(int width, int height, std::uint64_t seed) {
     const int x = static_cast<int>(random.Index(static_cast<std::uint32_t>(width)));
     const int y = static_cast<int>(random.Index(static_cast<std::uint32_t>(height)));
     const int size = 4 + static_cast<int>(random.Index(24));
-    const cv::Scalar grey(random.Uniform(0, 255));
+    const cv::Scalar gray(random.Uniform(0, 255));
     if (i % 3 == 0) {
-      cv::circle(image, {x, y}, size / 2, grey, cv::FILLED);
+      cv::circle(image, {x, y}, size / 2, gray, cv::FILLED);
     } else {
-      cv::rectangle(image, {x, y, size, 4 + static_cast<int>(random.Index(24))}, grey, cv::FILLED);
+      cv::rectangle(image, {x, y, size, 4 + static_cast<int>(random.Index(24))}, gray, cv::FILLED);
     }
   }
   cv::GaussianBlur(image, image, {5, 5}, 0.9);
@@ -66,7 +66,7 @@ struct Correspondence {
   int distance;  // Hamming
 };
 
-// Mutual nearest neighbours in descriptor space.
+// Mutual nearest neighbors in descriptor space.
 std::vector<Correspondence> Match(const FrameData& a, const FrameData& b) {
   const auto nearest = [](const Descriptor& descriptor, const FrameData& frame) {
     Correspondence best{0, 0, 257};
@@ -141,7 +141,7 @@ std::vector<SampleMotion> MarkLeft(SampleMotion motion) {
 TEST(OrbExtractor, WhatMovesTakesNoFeaturesFromTheRest) {
   OrbOptions options;
   options.features = 600;
-  options.moving_share = options.beside_share = 0.25;
+  options.moving_ratio = options.boundary_ratio = 0.25;
   OrbExtractor extractor(options);
   const cv::Mat image = Textured(640, 480, 2);
   const auto count_left = [&](std::span<const SampleMotion> motion) {
@@ -149,7 +149,7 @@ TEST(OrbExtractor, WhatMovesTakesNoFeaturesFromTheRest) {
     const auto left = std::ranges::count_if(frame.keypoints(), [](const Keypoint& k) { return k.raw_x < 318; });
     return std::pair(static_cast<int>(left), static_cast<int>(frame.size()) - static_cast<int>(left));
   };
-  const auto [beside, right] = count_left(MarkLeft(SampleMotion::kBeside));
+  const auto [beside, right] = count_left(MarkLeft(SampleMotion::kBoundary));
   EXPECT_GT(right, 570);  // but for what the coarse levels cannot give
   EXPECT_NEAR(beside, 150, 9);
   const auto [moving, rest] = count_left(MarkLeft(SampleMotion::kMoves));
@@ -219,13 +219,13 @@ TEST(OrbExtractor, PlacesCoarseKeypointsWithoutBias) {
   std::vector<cv::Point2d> squares;
   for (int y = 90; y < 400; y += 100) {
     for (int x = 90; x < 560; x += 100) {
-      image(cv::Rect(x - 4, y - 4, 9, 9)).setTo(200);  // centred on pixel (x, y)
+      image(cv::Rect(x - 4, y - 4, 9, 9)).setTo(200);  // centered on pixel (x, y)
       squares.emplace_back(x, y);
     }
   }
   cv::GaussianBlur(image, image, {7, 7}, 1.0);
   const FrameData frame = ExtractFrom(image);
-  // By symmetry the mean offset of a level's keypoints from the nearest square's centre is zero.
+  // By symmetry the mean offset of a level's keypoints from the nearest square's center is zero.
   std::vector<cv::Vec3d> sums(8, cv::Vec3d(0, 0, 0));
   for (const Keypoint& k : frame.keypoints()) {
     const auto nearest = std::min_element(squares.begin(), squares.end(), [&](const auto& a, const auto& b) {
@@ -302,11 +302,11 @@ TEST(OrbExtractor, HonoursItsOptions) {
   EXPECT_THROW(OrbExtractor{options}, InvariantError);
 }
 
-TEST(OrbExtractor, TreatsGreyAsColourOfEqualChannels) {
-  const cv::Mat grey = Textured(320, 240, 11);
+TEST(OrbExtractor, TreatsGrayAsColorOfEqualChannels) {
+  const cv::Mat gray = Textured(320, 240, 11);
   cv::Mat bgr;
-  cv::cvtColor(grey, bgr, cv::COLOR_GRAY2BGR);
-  const FrameData a = ExtractFrom(grey);
+  cv::cvtColor(gray, bgr, cv::COLOR_GRAY2BGR);
+  const FrameData a = ExtractFrom(gray);
   const FrameData b = ExtractFrom(bgr);
   ASSERT_EQ(a.size(), b.size());
   for (std::size_t i = 0; i < a.size(); ++i) {
@@ -314,7 +314,7 @@ TEST(OrbExtractor, TreatsGreyAsColourOfEqualChannels) {
   }
 }
 
-TEST(OrbExtractor, WeighsTheColours) {
+TEST(OrbExtractor, WeighsTheColors) {
   // A pattern in blue against one of equal luminance in green has no corners; in one channel alone it has.
   cv::Mat bgr(240, 320, CV_8UC3, cv::Scalar(100, 100, 100));
   for (int y = 40; y < 200; y += 40) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "feature/undistortion.h"
 
 #include <opencv2/calib3d.hpp>

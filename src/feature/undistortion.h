@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // From pixels as recorded to those of a camera without distortion.
 #pragma once
 

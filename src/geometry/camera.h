@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Pinhole RGB-D camera.
 #pragma once
 
@@ -13,7 +14,7 @@ enum class DistortionModel : std::uint8_t {
   kFisheye,       // k1, k2, k3, k4 of the equidistant model (Kannala-Brandt)
 };
 
-// Intrinsics of a registered RGB-D camera. Camera frame: x right, y down, z forward; pixel (0, 0) is the centre of the
+// Intrinsics of a registered RGB-D camera. Camera frame: x right, y down, z forward; pixel (0, 0) is the center of the
 // top left pixel. A value: safe to copy between threads.
 struct PinholeCamera {
   int width = 640;
@@ -24,14 +25,14 @@ struct PinholeCamera {
   double cy = 0;
   std::array<double, 8> distortion{};  // as its model has them; all 0 = none
   DistortionModel distortion_model = DistortionModel::kBrownConrady;
-  double depth_scale = 5000;  // units of a depth image in a metre
+  double depth_scale = 5000;  // units of a depth image in a meter
   double baseline_m = 0.08;   // of the virtual right camera that turns depth into disparity (and of the sensor itself)
   bool unusual = false;       // its owner says that the numbers are right, although no known camera has them
 
   [[nodiscard]] bool HasDistortion() const {
     return distortion_model == DistortionModel::kFisheye || distortion != std::array<double, 8>{};
   }
-  // Focal length times baseline (pixel metres): disparity_px = bf / depth_m.
+  // Focal length times baseline (pixel meters): disparity_px = bf / depth_m.
   [[nodiscard]] double Bf() const { return fx * baseline_m; }
   // Undistorted pixel of a point in the camera frame with z > 0.
   [[nodiscard]] Eigen::Vector2d Project(const Eigen::Vector3d& point_in_camera) const {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Lens distortion: the forward model, and whether it can be undone.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Numeric differentiation, to check analytic Jacobians in tests.
 #pragma once
 

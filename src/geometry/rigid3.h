@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Rigid transforms of 3-space.
 #pragma once
 
@@ -6,7 +7,7 @@
 
 namespace rds {
 
-// x_in_b = rotation * x_in_a + translation, named b_from_a; translation in metres. `c_from_a = c_from_b * b_from_a`.
+// x_in_b = rotation * x_in_a + translation, named b_from_a; translation in meters. `c_from_a = c_from_b * b_from_a`.
 // The quaternion is kept at unit norm by every function here. A value: safe to copy between threads.
 struct Rigid3 {
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
@@ -29,7 +30,7 @@ Eigen::Vector3d LogSo3(const Eigen::Quaterniond& q);
 Eigen::Matrix3d LeftJacobianSo3(const Eigen::Vector3d& w);
 
 // Applies a small change on the left, decoupled: rotation <- exp(delta.tail<3>) rotation, translation <- translation +
-// delta.head<3>. Order (translation in metres, rotation in radians).
+// delta.head<3>. Order (translation in meters, rotation in radians).
 Rigid3 Perturb(const Eigen::Matrix<double, 6, 1>& delta, const Rigid3& pose);
 
 // Angle of a rotation in radians, in [0, pi].

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "geometry/rigid3.h"
 
 #include <gtest/gtest.h>
@@ -93,7 +94,7 @@ TEST(Rigid3, InverseUndoes) {
   }
 }
 
-TEST(Rigid3, StaysNormalisedInLongChains) {
+TEST(Rigid3, StaysNormalizedInLongChains) {
   Random random(4);
   Rigid3 pose;
   for (int i = 0; i < 10000; ++i) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "io/camera_config.h"
 
 #include <spdlog/fmt/fmt.h>
@@ -14,8 +15,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// TUM and Bonn: the calibrations that the benchmarks publish (640 x 480, depth registered to colour, 5000 units a
-// metre). 7-Scenes publishes 585, 320, 240 for its Kinect.
+// TUM and Bonn: the calibrations that the benchmarks publish (640 x 480, depth registered to color, 5000 units a
+// meter). 7-Scenes publishes 585, 320, 240 for its Kinect.
 constexpr std::array<NamedCamera, 5> kCameras = {{
     {"tum_fr1",
      {.fx = 517.306408,
@@ -64,7 +65,7 @@ bool HasWord(std::string_view text, std::string_view word) {
   return false;
 }
 
-std::optional<std::string> RecogniseName(std::string name) {
+std::optional<std::string> RecognizeName(std::string name) {
   std::transform(name.begin(), name.end(), name.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   for (const char digit : {'1', '2', '3'}) {
@@ -75,20 +76,20 @@ std::optional<std::string> RecogniseName(std::string name) {
   return HasWord(name, "bonn") ? std::optional<std::string>("bonn") : std::nullopt;
 }
 
-struct RecognisedCamera {
+struct RecognizedCamera {
   std::string name;
   std::string folder;  // whose name tells
 };
 
-std::optional<RecognisedCamera> Recognise(const fs::path& sequence_folder) {
+std::optional<RecognizedCamera> Recognize(const fs::path& sequence_folder) {
   std::error_code ignored;
   fs::path folder = fs::weakly_canonical(sequence_folder, ignored);
   if (!folder.has_filename()) {
     folder = folder.parent_path();
   }
   for (const fs::path& named : {folder, folder.parent_path()}) {
-    if (const std::optional<std::string> name = RecogniseName(named.filename().string())) {
-      return RecognisedCamera{*name, named.filename().string()};
+    if (const std::optional<std::string> name = RecognizeName(named.filename().string())) {
+      return RecognizedCamera{*name, named.filename().string()};
     }
   }
   return std::nullopt;
@@ -119,8 +120,8 @@ PinholeCamera FindCamera(const std::string& name_or_path) {
   return ReadCamera(name_or_path);
 }
 
-std::optional<std::string> RecogniseCamera(const fs::path& sequence_folder) {
-  const std::optional<RecognisedCamera> found = Recognise(sequence_folder);
+std::optional<std::string> RecognizeCamera(const fs::path& sequence_folder) {
+  const std::optional<RecognizedCamera> found = Recognize(sequence_folder);
   return found ? std::optional(found->name) : std::nullopt;
 }
 
@@ -134,11 +135,11 @@ FoundCamera CameraOfSequence(const fs::path& sequence_folder, const std::string&
   if (fs::exists(own, ignored)) {
     return {ReadCamera(own), "file " + own.string(), "from the sequence's folder"};
   }
-  if (const std::optional<RecognisedCamera> found = Recognise(sequence_folder)) {
-    return {FindBuiltIn(found->name)->camera, found->name, "recognised from the folder's name '" + found->folder + "'"};
+  if (const std::optional<RecognizedCamera> found = Recognize(sequence_folder)) {
+    return {FindBuiltIn(found->name)->camera, found->name, "recognized from the folder's name '" + found->folder + "'"};
   }
   throw InputError(fmt::format(
-      "{}: the camera is not recognised from the folder's name: give it with --camera. Built in are {}; for another "
+      "{}: the camera is not recognized from the folder's name: give it with --camera. Built in are {}; for another "
       "camera copy config/redkitchen.yaml, put your numbers in, and give that file, or lay it beside the images as "
       "camera.yaml",
       sequence_folder.string(), JoinedNames()));

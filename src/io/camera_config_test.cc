@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "io/camera_config.h"
 
 #include <gmock/gmock.h>
@@ -102,20 +103,20 @@ TEST(FindCamera, ListsTheNamesItKnows) {
             HasSubstr("tum_fr1, tum_fr2, tum_fr3, bonn, redkitchen")));
 }
 
-TEST(RecogniseCamera, KnowsTheBenchmarksNames) {
-  EXPECT_EQ(RecogniseCamera("/data/rgbd_dataset_freiburg1_desk"), "tum_fr1");
-  EXPECT_EQ(RecogniseCamera("/data/rgbd_dataset_freiburg2_desk_with_person/"), "tum_fr2");
-  EXPECT_EQ(RecogniseCamera("/data/rgbd_dataset_freiburg3_walking_xyz"), "tum_fr3");
-  EXPECT_EQ(RecogniseCamera("/data/fr3_walking_xyz"), "tum_fr3");
-  EXPECT_EQ(RecogniseCamera("/data/fr1/desk"), "tum_fr1");
-  EXPECT_EQ(RecogniseCamera("/data/tum_fr2/desk/."), "tum_fr2");
-  EXPECT_EQ(RecogniseCamera("/data/rgbd_bonn_balloon"), "bonn");
-  EXPECT_EQ(RecogniseCamera("/data/Bonn/moving_box"), "bonn");
-  EXPECT_EQ(RecogniseCamera("/data/kitchen_static"), std::nullopt);
-  EXPECT_EQ(RecogniseCamera("/data/fr10"), std::nullopt);
-  EXPECT_EQ(RecogniseCamera("/data/bonnet"), std::nullopt);
-  EXPECT_EQ(RecogniseCamera("/data/freiburg1_desk/sub/rgb"), std::nullopt);
-  EXPECT_EQ(RecogniseCamera("/"), std::nullopt);
+TEST(RecognizeCamera, KnowsTheBenchmarksNames) {
+  EXPECT_EQ(RecognizeCamera("/data/rgbd_dataset_freiburg1_desk"), "tum_fr1");
+  EXPECT_EQ(RecognizeCamera("/data/rgbd_dataset_freiburg2_desk_with_person/"), "tum_fr2");
+  EXPECT_EQ(RecognizeCamera("/data/rgbd_dataset_freiburg3_walking_xyz"), "tum_fr3");
+  EXPECT_EQ(RecognizeCamera("/data/fr3_walking_xyz"), "tum_fr3");
+  EXPECT_EQ(RecognizeCamera("/data/fr1/desk"), "tum_fr1");
+  EXPECT_EQ(RecognizeCamera("/data/tum_fr2/desk/."), "tum_fr2");
+  EXPECT_EQ(RecognizeCamera("/data/rgbd_bonn_balloon"), "bonn");
+  EXPECT_EQ(RecognizeCamera("/data/Bonn/moving_box"), "bonn");
+  EXPECT_EQ(RecognizeCamera("/data/kitchen_static"), std::nullopt);
+  EXPECT_EQ(RecognizeCamera("/data/fr10"), std::nullopt);
+  EXPECT_EQ(RecognizeCamera("/data/bonnet"), std::nullopt);
+  EXPECT_EQ(RecognizeCamera("/data/freiburg1_desk/sub/rgb"), std::nullopt);
+  EXPECT_EQ(RecognizeCamera("/"), std::nullopt);
 }
 
 TEST(CameraOfSequence, TakesTheNearestAtHand) {
@@ -132,7 +133,7 @@ TEST(CameraOfSequence, AsksForTheCameraItDoesNotKnow) {
   const TemporaryFolder folder;
   std::filesystem::create_directories(folder.path() / "mine");
   EXPECT_THAT(InputErrorOf([&] { (void)CameraOfSequence(folder.path() / "mine", ""); }),
-              AllOf(HasSubstr("mine: the camera is not recognised"), HasSubstr("--camera"), HasSubstr("tum_fr3"),
+              AllOf(HasSubstr("mine: the camera is not recognized"), HasSubstr("--camera"), HasSubstr("tum_fr3"),
                     HasSubstr("copy config/redkitchen.yaml")));
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "io/camera_file.h"
 
 #include <spdlog/fmt/fmt.h>
@@ -192,7 +193,7 @@ std::string FormatCamera(const PinholeCamera& camera) {
   return fmt::format(
       "width: {}  # pixels\nheight: {}\nfx: {}  # pixels\nfy: {}\ncx: {}\ncy: {}\n"
       "{}distortion: [{}]  # {}\n"
-      "depth_scale: {}  # units of a depth image in a metre\nbaseline_m: {}\n{}",
+      "depth_scale: {}  # units of a depth image in a meter\nbaseline_m: {}\n{}",
       camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy,
       fisheye ? "distortion_model: fisheye\n" : "",
       fmt::join(d.begin(), d.begin() + static_cast<std::ptrdiff_t>(count), ", "),

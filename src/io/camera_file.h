@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Camera files: YAML with the intrinsics of a registered RGB-D camera.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "io/camera_file.h"
 
 #include <gmock/gmock.h>
@@ -61,7 +62,7 @@ TEST(ReadCamera, RefusesNumbersThatNoCameraHasAndNamesTheLikelyOnes) {
   EXPECT_THAT(ErrorOf(kBase + "baseline_m: 50\n"), HasSubstr("baseline_m: 0.05"));
   EXPECT_THAT(ErrorOf(kBase + "baseline_m: 0.0001\n"), HasSubstr("no RGB-D camera has it"));
   EXPECT_THAT(ErrorOf(With("depth_scale: 5000", "depth_scale: 0.0002")), HasSubstr("depth_scale: 5000"));
-  EXPECT_THAT(ErrorOf(With("depth_scale: 5000", "depth_scale: 1")), HasSubstr("number of units in a metre"));
+  EXPECT_THAT(ErrorOf(With("depth_scale: 5000", "depth_scale: 1")), HasSubstr("number of units in a meter"));
   EXPECT_EQ(Read(With("fx: 585", "fx: 1170") + "unusual: true\n").fx, 1170);
   EXPECT_THAT(ErrorOf(kBase + "unusual: perhaps\n"), HasSubstr("must be true or false"));
 }
@@ -69,9 +70,9 @@ TEST(ReadCamera, RefusesNumbersThatNoCameraHasAndNamesTheLikelyOnes) {
 TEST(DepthProblem, NamesTheScaleThatIsLikelyMeant) {
   PinholeCamera camera = Read(kBase);
   EXPECT_EQ(DepthProblem(camera, 2), std::nullopt);
-  camera.depth_scale = 1000;  // for pictures of 5000 a metre
+  camera.depth_scale = 1000;  // for pictures of 5000 a meter
   EXPECT_THAT(DepthProblem(camera, 10).value_or(""), HasSubstr("depth_scale: 5000"));
-  camera.depth_scale = 5000;  // for millimetres
+  camera.depth_scale = 5000;  // for millimeters
   EXPECT_EQ(DepthProblem(camera, 0.4), std::nullopt) << "may be a hand in front of the camera";
   EXPECT_THAT(DepthProblem(camera, 0.05).value_or(""), HasSubstr("which makes it 0.25 m"));
   camera.unusual = true;

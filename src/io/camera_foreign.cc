@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "io/camera_foreign.h"
 
 #include <spdlog/fmt/fmt.h>
@@ -191,7 +192,7 @@ std::optional<PinholeCamera> ReadForeignCamera(const fs::path& path, const YAML:
   if (!scale) {
     throw InputError(fmt::format(
         "{}: a calibration that does not say the scale of depth; add the line 'depth_scale: N' with N the units of a "
-        "depth image in a metre (1000 for millimetres, 5000 for TUM)",
+        "depth image in a meter (1000 for millimeters, 5000 for TUM)",
         path.string()));
   }
   if (!(*scale > 0)) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "io/camera_plausibility.h"
 
 #include <spdlog/fmt/fmt.h>
@@ -63,7 +64,7 @@ std::optional<std::string> CameraProblem(const PinholeCamera& camera) {
     const double of_mm = camera.baseline_m / 1000;
     std::string likely;
     if (of_mm >= 0.045 && of_mm <= 1) {
-      likely = fmt::format("; millimetres? Then baseline_m: {:g}", of_mm);
+      likely = fmt::format("; millimeters? Then baseline_m: {:g}", of_mm);
     } else if (of_bf >= 0.005 && of_bf <= 1) {
       likely = fmt::format("; ORB-SLAM's bf? Then baseline_m: {:.4g}", of_bf);
     }
@@ -72,7 +73,7 @@ std::optional<std::string> CameraProblem(const PinholeCamera& camera) {
   if (camera.depth_scale < 50 || camera.depth_scale > 100'000) {
     const double inverse = 1 / camera.depth_scale;
     return fmt::format(
-        "depth_scale {:g}: it is the number of units in a metre, such as 1000 (millimetres) or 5000 "
+        "depth_scale {:g}: it is the number of units in a meter, such as 1000 (millimeters) or 5000 "
         "(TUM){}",
         camera.depth_scale,
         inverse >= 50 && inverse <= 100'000 ? fmt::format("; the inverse? Then depth_scale: {:g}", inverse) : "");

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "io/dataset.h"
 
 #include <spdlog/fmt/fmt.h>
@@ -37,7 +38,7 @@ std::vector<double> TimesOf(const std::vector<DatasetFrame>& frames) {
   return times;
 }
 
-// The unit of a sequence's times, by its colour images: they come one after the other, which masks need not. Says so
+// The unit of a sequence's times, by its color images: they come one after the other, which masks need not. Says so
 // where it is not seconds.
 TimeUnit UnitOf(const fs::path& list, const std::vector<ListedImage>& color) {
   const TimeUnit unit = GuessTimeUnit(TimesOf(color), false);
@@ -100,7 +101,7 @@ std::vector<DatasetFrame> AssociateLists(const fs::path& folder, double max_diff
   }
   if (frames.empty()) {
     throw InputError(
-        fmt::format("{}: no depth image within {} s of any colour image; {} begins at {:.6f}, "
+        fmt::format("{}: no depth image within {} s of any color image; {} begins at {:.6f}, "
                     "{} at {:.6f}: are both of one clock?",
                     folder.string(), max_difference_s, color_list.filename().string(), color.front().timestamp_s,
                     depth_list.filename().string(), depth.front().timestamp_s));
@@ -232,7 +233,7 @@ std::string Dataset::Summary() const {
     text += fmt::format(" ({}:{} of {})", first_frame_, first_frame_ + frames_.size(), all_frames_);
   }
   if (color_images_without_depth_ > 0) {
-    text += fmt::format("; {} of {} colour images have no depth image within {} s and are left out",
+    text += fmt::format("; {} of {} color images have no depth image within {} s and are left out",
                         color_images_without_depth_, listed_color_images_, options_.max_difference_s);
   }
   return text;
@@ -244,7 +245,7 @@ RgbdFrame Dataset::Load(std::size_t index, const PinholeCamera& camera) const {
   ImageFile depth(frame.depth_path);
   if (color.width() != depth.width() || color.height() != depth.height()) {
     throw InputError(
-        fmt::format("{}: {} x {} pixels, its colour image {} has {} x {}; depth registered to colour is "
+        fmt::format("{}: {} x {} pixels, its color image {} has {} x {}; depth registered to color is "
                     "wanted",
                     frame.depth_path.string(), depth.width(), depth.height(), frame.color_path.string(), color.width(),
                     color.height()));

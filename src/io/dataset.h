@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // RGB-D sequences in the folder layout of the TUM and Bonn benchmarks.
 #pragma once
 
@@ -24,14 +25,14 @@ struct FrameRange {
 FrameRange ParseFrameRange(const std::string& text);
 
 struct DatasetOptions {
-  double max_difference_s = 0.02;  // between the times of a colour image and its depth image (or its mask)
+  double max_difference_s = 0.02;  // between the times of a color image and its depth image (or its mask)
   FrameRange frames;
   bool needs_masks = false;  // what is wrong with mask.txt is an error then, else a warning
 };
 
 // One entry of the index: where the images of a frame lie. Times in seconds.
 struct DatasetFrame {
-  double timestamp_s = 0;  // of the colour image: the frame's
+  double timestamp_s = 0;  // of the color image: the frame's
   double depth_timestamp_s = 0;
   std::filesystem::path color_path;
   std::filesystem::path depth_path;
@@ -41,8 +42,8 @@ struct DatasetFrame {
 // A folder with rgb.txt and depth.txt (also color.txt, aligned_depth.txt), or associations.txt (also associate.txt,
 // association.txt, associated.txt); groundtruth.txt and mask.txt if there. Times may be seconds, milli-, micro- or
 // nanoseconds, or frame numbers (see io/time_unit.h); here they are seconds.
-// Without an association file every colour image gets the depth image that is nearest in time: pairs are taken in order
-// of their difference, up to the limit, each image at most once. Colour images without a partner are left out and
+// Without an association file every color image gets the depth image that is nearest in time: pairs are taken in order
+// of their difference, up to the limit, each image at most once. Color images without a partner are left out and
 // counted. The index is read and checked when opened (each listed image must be there); images are read on demand.
 // Immutable once opened: any number of threads may load frames at once.
 class Dataset {
@@ -59,7 +60,7 @@ class Dataset {
   [[nodiscard]] const std::vector<DatasetFrame>& frames() const { return frames_; }
   [[nodiscard]] const std::optional<Trajectory>& ground_truth() const { return ground_truth_; }
   [[nodiscard]] bool HasMasks() const { return has_masks_; }
-  // Colour images listed, and those left out for want of a depth image; over the whole sequence, whatever the range.
+  // Color images listed, and those left out for want of a depth image; over the whole sequence, whatever the range.
   [[nodiscard]] std::size_t listed_color_images() const { return listed_color_images_; }
   [[nodiscard]] std::size_t color_images_without_depth() const { return color_images_without_depth_; }
 

@@ -1,4 +1,5 @@
-// Which depth image belongs to which colour image.
+// SPDX-License-Identifier: Apache-2.0
+// Which depth image belongs to which color image.
 #pragma once
 
 #include <cstddef>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "io/dataset_association.h"
 
 #include <gmock/gmock.h>

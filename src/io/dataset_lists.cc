@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "io/dataset_lists.h"
 
 #include <spdlog/fmt/fmt.h>
@@ -96,7 +97,7 @@ std::vector<ListedImage> ReadImageList(const fs::path& path) {
 }
 
 std::vector<ListedPair> ReadAssociations(const fs::path& path) {
-  const TextTable table = ReadList(path, 4, "timestamp colour-file timestamp depth-file");
+  const TextTable table = ReadList(path, 4, "timestamp color-file timestamp depth-file");
   const auto [first, second] = TimeColumns(table.rows.front());
   std::vector<ListedPair> pairs;
   pairs.reserve(table.rows.size());

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The lists of a sequence: which image belongs to which time.
 #pragma once
 

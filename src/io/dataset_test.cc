@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "io/dataset.h"
 
 #include <gmock/gmock.h>
@@ -29,7 +30,7 @@ std::string Png(int type, int width = 20, int height = 12, double value = 7) {
 class DatasetTest : public ::testing::Test {
  protected:
   DatasetTest() {
-    std::string rgb = "# colour\n";
+    std::string rgb = "# color\n";
     std::string depth = "# depth\n";
     std::string truth;
     for (const char* time : {"1.00", "1.03", "1.06"}) {
@@ -86,7 +87,7 @@ TEST_F(DatasetTest, CountsFramesWithoutDepth) {
   EXPECT_EQ(dataset.frames()[1].timestamp_s, 1.06);
   EXPECT_EQ(dataset.listed_color_images(), 3U);
   EXPECT_EQ(dataset.color_images_without_depth(), 1U);
-  EXPECT_THAT(dataset.Summary(), HasSubstr(": 2 frames; 1 of 3 colour images have no depth image within 0.02 s"));
+  EXPECT_THAT(dataset.Summary(), HasSubstr(": 2 frames; 1 of 3 color images have no depth image within 0.02 s"));
 }
 
 TEST_F(DatasetTest, PrefersAssociations) {
@@ -209,7 +210,7 @@ TEST_F(DatasetTest, FindsTheImagesAmongOtherColumns) {
 }
 
 TEST_F(DatasetTest, ReadsListsOfEveryEditor) {
-  Write("rgb.txt", "\xEF\xBB\xBF# colour\r1.00 rgb/1.00.png\r1.03 rgb/1.03.png\r1.06 rgb/1.06.png\r");
+  Write("rgb.txt", "\xEF\xBB\xBF# color\r1.00 rgb/1.00.png\r1.03 rgb/1.03.png\r1.06 rgb/1.06.png\r");
   EXPECT_EQ(Open().size(), 3U);
   Write("rgb.txt", std::string("\xFF\xFE"
                                "1\0.\0",
@@ -249,7 +250,7 @@ TEST_F(DatasetTest, SizesAreCheckedBeforeAnythingIsDecoded) {
   EXPECT_THAT(LoadError(0), HasSubstr("depth/1.00.png: the image file is truncated"));
   Write("depth/1.00.png", Png(CV_16UC1, 20, 12, 5000));
   EXPECT_THAT(LoadError(0),
-              HasSubstr("its colour image " + (folder_.path() / "rgb/1.00.png").string() + " has 20000 x 20000"));
+              HasSubstr("its color image " + (folder_.path() / "rgb/1.00.png").string() + " has 20000 x 20000"));
 }
 
 TEST_F(DatasetTest, RefusesBrokenAssociations) {
@@ -268,7 +269,7 @@ TEST_F(DatasetTest, RefusesBrokenImages) {
   Write("depth/1.00.png", Png(CV_8UC1));
   EXPECT_THAT(LoadError(0), HasSubstr("depth/1.00.png: a depth image of 8 bits"));
   Write("depth/1.00.png", Png(CV_16UC1, 10, 6));
-  EXPECT_THAT(LoadError(0), AllOf(HasSubstr("depth/1.00.png: 10 x 6 pixels, its colour image"), HasSubstr("20 x 12")));
+  EXPECT_THAT(LoadError(0), AllOf(HasSubstr("depth/1.00.png: 10 x 6 pixels, its color image"), HasSubstr("20 x 12")));
   Write("rgb/1.00.png", Png(CV_8UC3, 10, 6));
   EXPECT_THAT(LoadError(0), HasSubstr("rgb/1.00.png: 10 x 6 pixels, the camera has 20 x 12"));
   EXPECT_EQ(LoadError(1), "");

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "io/depth_check.h"
 
 #include <spdlog/fmt/fmt.h>

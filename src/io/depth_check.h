@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Whether depth images and the camera file speak of the same unit.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Downloading a file over HTTP, going on where an earlier try stopped.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "io/image_bytes.h"
 
 #include <array>
@@ -59,7 +60,7 @@ std::uint32_t Crc32(std::string_view bytes) {
 }
 
 ImageHeader ParsePngHeader(const std::filesystem::path& path, std::string_view data) {
-  constexpr std::array<int, 7> kChannels = {1, 0, 3, 1, 2, 0, 4};  // by colour type
+  constexpr std::array<int, 7> kChannels = {1, 0, 3, 1, 2, 0, 4};  // by color type
   if (data.size() != 13 || Byte(data, 9) >= kChannels.size()) {
     throw Damaged(path);
   }

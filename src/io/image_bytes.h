@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the bytes of an image file say before anything is decoded. Decoders hand out the upper part of a truncated
 // picture with a mere warning on standard error; here a file is whole or an error.
 #pragma once
@@ -19,7 +20,7 @@ struct ImageHeader {
   int height = 0;
   int bits = 8;             // of a channel
   int channels = 1;         // 1 also for a picture with a palette
-  bool is_float = false;    // TIFF and NumPy: depth in metres
+  bool is_float = false;    // TIFF and NumPy: depth in meters
   std::size_t data_at = 0;  // PNM and NumPy, which are decoded here: where the pixels begin
   bool big_endian = false;  // NumPy
 };

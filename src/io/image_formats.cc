@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Headers of the image formats beside PNG and JPEG.
 #include <array>
 #include <charconv>
@@ -141,7 +142,7 @@ ImageHeader InspectNpy(const std::filesystem::path& path, std::string_view bytes
       header.height <= 0) {
     throw OfImage(path,
                   "a NumPy array of a kind that is not read: wanted is one of height x width, by rows, of float32, "
-                  "float64 (metres) or uint16");
+                  "float64 (meters) or uint16");
   }
   header.data_at = text_at + length;
   NeedBytes(path, header, bytes.size() - header.data_at);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "io/image_io.h"
 
 #include <algorithm>
@@ -99,7 +100,7 @@ bool ImageFile::MayBeDepth() const { return header_.channels == 1 && (header_.bi
 
 Image8 ImageFile::DecodeColor() {
   if (header_.bits > 8 || header_.is_float) {
-    throw InputError(path_.string() + ": a colour image of " + std::to_string(header_.bits) +
+    throw InputError(path_.string() + ": a color image of " + std::to_string(header_.bits) +
                      " bits a channel; 8 are wanted (is it a depth image, the lists' columns swapped?)");
   }
   return header_.format == ImageFormat::kPnm
@@ -111,8 +112,8 @@ Image16 ImageFile::DecodeDepth(double units_per_m) {
   if (!MayBeDepth()) {
     throw InputError(path_.string() + ": a depth image of " + std::to_string(header_.bits) + " bits and " +
                      std::to_string(header_.channels) + (header_.channels == 1 ? " channel" : " channels") +
-                     "; one channel is wanted, of 16 bits in the units of the camera file's depth_scale (5000 a metre "
-                     "for TUM), best as PNG, or floating point in metres (TIFF, .npy)");
+                     "; one channel is wanted, of 16 bits in the units of the camera file's depth_scale (5000 a meter "
+                     "for TUM), best as PNG, or floating point in meters (TIFF, .npy)");
   }
   if (header_.format == ImageFormat::kPnm || header_.format == ImageFormat::kNpy) {
     return DecodePlain16(bytes_, header_, units_per_m);
@@ -120,9 +121,9 @@ Image16 ImageFile::DecodeDepth(double units_per_m) {
   if (!header_.is_float) {
     return DecodeByLibrary<std::uint16_t>(path_, bytes_, header_, cv::IMREAD_UNCHANGED, 1);
   }
-  const Image<float> metres = DecodeByLibrary<float>(path_, bytes_, header_, cv::IMREAD_UNCHANGED, 1);
-  Image16 depth(metres.width, metres.height);
-  std::transform(metres.data.begin(), metres.data.end(), depth.data.begin(),
+  const Image<float> meters = DecodeByLibrary<float>(path_, bytes_, header_, cv::IMREAD_UNCHANGED, 1);
+  Image16 depth(meters.width, meters.height);
+  std::transform(meters.data.begin(), meters.data.end(), depth.data.begin(),
                  [&](float m) { return DepthUnits(static_cast<double>(m), units_per_m); });
   return depth;
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Images from files.
 #pragma once
 
@@ -22,10 +23,10 @@ class ImageFile {
   // Whether it can be depth: 16 bits or floating point, one channel.
   [[nodiscard]] bool MayBeDepth() const;
 
-  // BGR, three channels (a grey picture gives three equal ones). An orientation tag is ignored.
+  // BGR, three channels (a gray picture gives three equal ones). An orientation tag is ignored.
   [[nodiscard]] Image8 DecodeColor();
   // Depth as stored, in units of `units_per_m`: one channel of 16 bits; an 8-bit picture is an error, not stretched.
-  // Floating point is metres; what is not finite, not above 0 or beyond 16 bits is no depth (0).
+  // Floating point is meters; what is not finite, not above 0 or beyond 16 bits is no depth (0).
   [[nodiscard]] Image16 DecodeDepth(double units_per_m);
   // A mask, one channel: 255 where the file is not 0 (any channel), else 0.
   [[nodiscard]] Image8 DecodeMask();
@@ -38,7 +39,7 @@ class ImageFile {
 
 // The same in one step.
 Image8 ReadColor(const std::filesystem::path& path);
-Image16 ReadDepth(const std::filesystem::path& path);  // floating point as 5000 units a metre
+Image16 ReadDepth(const std::filesystem::path& path);  // floating point as 5000 units a meter
 Image8 ReadMask(const std::filesystem::path& path);
 
 }  // namespace rds

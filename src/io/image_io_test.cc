@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "io/image_io.h"
 
 #include <gmock/gmock.h>
@@ -57,11 +58,11 @@ TEST(ReadColor, GivesBgr) {
   EXPECT_EQ(image.Row(2)[3 * 5 + 2], 7);
 }
 
-TEST(ReadColor, ReadsGreyAndJpegToo) {
+TEST(ReadColor, ReadsGrayAndJpegToo) {
   const TemporaryFolder folder;
-  const Image8 grey = ReadColor(folder.Write("a.png", Encode(".png", cv::Mat(5, 6, CV_8UC1, cv::Scalar(9)))));
-  EXPECT_EQ(grey.channels, 3);
-  EXPECT_EQ(grey.data, std::vector<std::uint8_t>(90, 9));
+  const Image8 gray = ReadColor(folder.Write("a.png", Encode(".png", cv::Mat(5, 6, CV_8UC1, cv::Scalar(9)))));
+  EXPECT_EQ(gray.channels, 3);
+  EXPECT_EQ(gray.data, std::vector<std::uint8_t>(90, 9));
   for (const int progressive : {0, 1}) {
     const std::string bytes = Encode(".jpg", cv::Mat(50, 60, CV_8UC3, cv::Scalar(10, 100, 200)),
                                      {cv::IMWRITE_JPEG_PROGRESSIVE, progressive, cv::IMWRITE_JPEG_RST_INTERVAL, 2});
@@ -136,7 +137,7 @@ TEST(ImageIo, SaysWhatIsWrongWithTheKind) {
   EXPECT_THAT(ErrorOf(ReadDepth, Encode(".png", cv::Mat(4, 5, CV_16UC3, cv::Scalar(1)))),
               HasSubstr("16 bits and 3 channels;"));
   EXPECT_THAT(ErrorOf(ReadColor, Encode(".png", DepthRamp())),
-              AllOf(HasSubstr("picture: a colour image of 16 bits"), HasSubstr("swapped?")));
+              AllOf(HasSubstr("picture: a color image of 16 bits"), HasSubstr("swapped?")));
   EXPECT_THAT(ErrorOf(ReadMask, Encode(".png", DepthRamp())),
               HasSubstr("picture: a mask of 16 bits a channel; 8 are wanted"));
   EXPECT_THAT(ErrorOf(ReadColor, "GIF89a and more"),
@@ -162,17 +163,17 @@ TEST(ImageIo, ReadsTheOtherFormats) {
   }
 }
 
-TEST(ImageIo, FloatingPointDepthIsMetres) {
+TEST(ImageIo, FloatingPointDepthIsMeters) {
   const TemporaryFolder folder;
-  cv::Mat metres(2, 3, CV_32FC1, cv::Scalar(1.5F));
-  metres.at<float>(0, 1) = std::numeric_limits<float>::quiet_NaN();
-  metres.at<float>(1, 0) = 1000;
-  metres.at<float>(1, 1) = -1;
+  cv::Mat meters(2, 3, CV_32FC1, cv::Scalar(1.5F));
+  meters.at<float>(0, 1) = std::numeric_limits<float>::quiet_NaN();
+  meters.at<float>(1, 0) = 1000;
+  meters.at<float>(1, 1) = -1;
   std::string npy("\x93NUMPY\x01\x00\x76\x00", 10);
   npy += "{'descr': '<f4', 'fortran_order': False, 'shape': (2, 3), }";
   npy.resize(127, ' ');
-  npy += "\n" + std::string(reinterpret_cast<const char*>(metres.data), 24);
-  for (const std::string& bytes : {npy, Encode(".tiff", metres)}) {
+  npy += "\n" + std::string(reinterpret_cast<const char*>(meters.data), 24);
+  for (const std::string& bytes : {npy, Encode(".tiff", meters)}) {
     EXPECT_THAT(ImageFile(folder.Write("picture", bytes)).DecodeDepth(1000).data,
                 ::testing::ElementsAre(1500, 0, 1500, 0, 0, 1500));
   }
@@ -180,7 +181,7 @@ TEST(ImageIo, FloatingPointDepthIsMetres) {
     EXPECT_NE(ErrorOf(ReadDepth, npy.substr(0, size)), "") << size;
   }
   npy.replace(npy.find("f4"), 2, "c8");
-  EXPECT_THAT(ErrorOf(ReadDepth, npy), HasSubstr("of float32, float64 (metres) or uint16"));
+  EXPECT_THAT(ErrorOf(ReadDepth, npy), HasSubstr("of float32, float64 (meters) or uint16"));
 }
 
 TEST(ImageIo, SaysWhatToDoWithWhatIsNotRead) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Headers of TIFF images, and whether what they compress is whole: the decoder hands out what it could not decode as it
 // found its memory.
 #include <array>

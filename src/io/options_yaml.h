@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Options as YAML: nested keys ("orb: {features: 1000}"), read strictly and written so that they read back the same.
 #pragma once
 

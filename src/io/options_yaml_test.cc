@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "io/options_yaml.h"
 
 #include <gmock/gmock.h>
@@ -57,7 +58,7 @@ TEST_F(OptionsYamlTest, DocumentedRoundTripIsExact) {
 
 TEST_F(OptionsYamlTest, DocumentsMeaningRangeAndDefault) {
   EXPECT_THAT(DocumentedOptionsYaml(Unusual()),
-              HasSubstr("orb:\n  # keypoints wanted in a frame\n  # 100 .. 10000; default 1000\n  features: 1234\n"));
+              HasSubstr("orb:\n  # keypoints in a frame\n  # 100 .. 10000; default 1000\n  features: 1234\n"));
 }
 
 TEST_F(OptionsYamlTest, NamesOnlyChangeWhatTheyName) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "io/run_view.h"
 
 #include <spdlog/fmt/fmt.h>
@@ -12,12 +13,12 @@
 namespace rds {
 namespace {
 
-const cv::Scalar kStaticColour(235, 110, 30);
-const cv::Scalar kUnknownColour(60, 200, 60);
-const cv::Scalar kRejectedColour(50, 50, 235);
+const cv::Scalar kStaticColor(235, 110, 30);
+const cv::Scalar kUnknownColor(60, 200, 60);
+const cv::Scalar kRejectedColor(50, 50, 235);
 const cv::Scalar kBackground(250, 250, 250);
-const cv::Scalar kPointColour(150, 150, 150);
-const cv::Scalar kPathColour(200, 90, 20);
+const cv::Scalar kPointColor(150, 150, 150);
+const cv::Scalar kPathColor(200, 90, 20);
 const cv::Scalar kText(255, 255, 255);
 constexpr int kBarHeight = 22;
 constexpr double kFontScale = 0.42;
@@ -29,8 +30,8 @@ cv::Mat View(Image8& image) {
 // A view for reading only.
 cv::Mat View(const Image8& image) { return View(const_cast<Image8&>(image)); }
 
-void PutText(cv::Mat& canvas, const std::string& text, cv::Point at, const cv::Scalar& colour = kText) {
-  cv::putText(canvas, text, at, cv::FONT_HERSHEY_SIMPLEX, kFontScale, colour, 1, cv::LINE_AA);
+void PutText(cv::Mat& canvas, const std::string& text, cv::Point at, const cv::Scalar& color = kText) {
+  cv::putText(canvas, text, at, cv::FONT_HERSHEY_SIMPLEX, kFontScale, color, 1, cv::LINE_AA);
 }
 
 // A dark bar to write on.
@@ -43,13 +44,13 @@ void DrawFeatures(const std::vector<FeatureView>& features, cv::Mat& canvas) {
       case FeatureState::kUnmatched:
         break;
       case FeatureState::kStatic:
-        cv::circle(canvas, at, 3, kStaticColour, cv::FILLED, cv::LINE_AA);
+        cv::circle(canvas, at, 3, kStaticColor, cv::FILLED, cv::LINE_AA);
         break;
       case FeatureState::kUnknown:
-        cv::circle(canvas, at, 3, kUnknownColour, cv::FILLED, cv::LINE_AA);
+        cv::circle(canvas, at, 3, kUnknownColor, cv::FILLED, cv::LINE_AA);
         break;
       case FeatureState::kRejected:
-        cv::circle(canvas, at, 3, kRejectedColour, cv::FILLED, cv::LINE_AA);
+        cv::circle(canvas, at, 3, kRejectedColor, cv::FILLED, cv::LINE_AA);
         break;
     }
   }
@@ -65,7 +66,7 @@ void DrawMask(const MaskView& mask, const FrameResult& result, cv::Mat& canvas) 
   cv::resize(View(*mask.mask), small, size, 0, 0, cv::INTER_NEAREST);
   cv::Mat inset = canvas(cv::Rect({6, canvas.rows - size.height - 6}, size));
   Darken(inset);
-  inset.setTo(kRejectedColour, small);
+  inset.setTo(kRejectedColor, small);
   cv::rectangle(canvas, cv::Rect({5, canvas.rows - size.height - 7}, size + cv::Size(2, 2)), kText, 1);
   const auto age = static_cast<long>(result.frame.value) - static_cast<long>(mask.frame.value);
   PutText(inset, fmt::format("mask: {} frames old", age), {4, 13});
@@ -100,14 +101,14 @@ void DrawLegend(const FrameResult& result, cv::Mat& canvas) {
   const int left = canvas.cols / 4 + 14;
   Darken(canvas(cv::Rect(left, top, canvas.cols - left, kBarHeight)));
   int x = left + 8;
-  const auto item = [&](const std::string& text, const cv::Scalar& colour) {
-    cv::circle(canvas, {x + 4, top + 11}, 4, colour, cv::FILLED, cv::LINE_AA);
+  const auto item = [&](const std::string& text, const cv::Scalar& color) {
+    cv::circle(canvas, {x + 4, top + 11}, 4, color, cv::FILLED, cv::LINE_AA);
     PutText(canvas, text, {x + 13, top + 15});
     x += 13 + cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, kFontScale, 1, nullptr).width + 14;
   };
-  item(fmt::format("static {}", result.static_matches), kStaticColour);
-  item(fmt::format("unknown {}", result.unknown_matches), kUnknownColour);
-  item(fmt::format("rejected {}", result.rejected_matches), kRejectedColour);
+  item(fmt::format("static {}", result.static_matches), kStaticColor);
+  item(fmt::format("unknown {}", result.unknown_matches), kUnknownColor);
+  item(fmt::format("rejected {}", result.rejected_matches), kRejectedColor);
 }
 
 // The plane of x (to the right) and z (upwards in the picture) of the world, fitted into a square.
@@ -116,14 +117,14 @@ class TopView {
   TopView(cv::Mat canvas, const Eigen::Vector2d& low_m, const Eigen::Vector2d& high_m) : canvas_(std::move(canvas)) {
     const double extent_m = (high_m - low_m).maxCoeff() * 1.08;
     px_per_m_ = canvas_.rows / extent_m;
-    centre_m_ = (low_m + high_m) / 2;
+    center_m_ = (low_m + high_m) / 2;
     canvas_.setTo(kBackground);
   }
 
   [[nodiscard]] cv::Point At(const Eigen::Vector3d& point_in_world) const {
     const auto pixel = [](double value) { return static_cast<int>(std::lround(std::clamp(value, -1e4, 1e4))); };
-    return {pixel(canvas_.cols / 2.0 + (point_in_world.x() - centre_m_.x()) * px_per_m_),
-            pixel(canvas_.rows / 2.0 - (point_in_world.z() - centre_m_.y()) * px_per_m_)};
+    return {pixel(canvas_.cols / 2.0 + (point_in_world.x() - center_m_.x()) * px_per_m_),
+            pixel(canvas_.rows / 2.0 - (point_in_world.z() - center_m_.y()) * px_per_m_)};
   }
 
   void DrawPoints(const MapView& map) {
@@ -132,14 +133,14 @@ class TopView {
       const cv::Point at = At(map.points[i].cast<double>());
       if (bounds.contains(at)) {
         const bool moves = i < map.moving_probability.size() && map.moving_probability[i] > 0.6F;
-        cv::circle(canvas_, at, 1, moves ? kRejectedColour : kPointColour, cv::FILLED);
+        cv::circle(canvas_, at, 1, moves ? kRejectedColor : kPointColor, cv::FILLED);
       }
     }
   }
 
   void DrawPath(const std::vector<Eigen::Vector3d>& path_in_world) {
     for (std::size_t i = 1; i < path_in_world.size(); ++i) {
-      cv::line(canvas_, At(path_in_world[i - 1]), At(path_in_world[i]), kPathColour, 2, cv::LINE_AA);
+      cv::line(canvas_, At(path_in_world[i - 1]), At(path_in_world[i]), kPathColor, 2, cv::LINE_AA);
     }
   }
 
@@ -150,7 +151,7 @@ class TopView {
     const cv::Point left = At(world_from_camera * Eigen::Vector3d(-0.6 * size_m, 0, size_m));
     const cv::Point right = At(world_from_camera * Eigen::Vector3d(0.6 * size_m, 0, size_m));
     const std::vector<cv::Point> triangle = {apex, left, right};
-    cv::fillConvexPoly(canvas_, triangle, kUnknownColour, cv::LINE_AA);
+    cv::fillConvexPoly(canvas_, triangle, kUnknownColor, cv::LINE_AA);
     cv::polylines(canvas_, triangle, true, cv::Scalar(40, 90, 40), 1, cv::LINE_AA);
   }
 
@@ -167,7 +168,7 @@ class TopView {
  private:
   cv::Mat canvas_;
   double px_per_m_ = 1;
-  Eigen::Vector2d centre_m_;
+  Eigen::Vector2d center_m_;
 };
 
 }  // namespace

@@ -1,4 +1,5 @@
-// The picture that explains a frame: the image with its features in the paper's colours, the newest mask, and the map
+// SPDX-License-Identifier: Apache-2.0
+// The picture that explains a frame: the image with its features in the paper's colors, the newest mask, and the map
 // seen from above.
 #pragma once
 
@@ -14,7 +15,7 @@ namespace rds {
 
 // What one picture shows. Copies and shared images, so that it can be drawn on another thread.
 struct RunViewContent {
-  std::shared_ptr<const Image8> image;  // as recorded, BGR or grey
+  std::shared_ptr<const Image8> image;  // as recorded, BGR or gray
   FrameResult result;                   // with features (SystemOptions::keep_features)
   MaskView mask;
   std::shared_ptr<const MapView> map;  // may be some frames old; null = none yet
@@ -36,7 +37,7 @@ class RunView {
  private:
   void GrowBounds(const Eigen::Vector3d& point_in_world);
 
-  std::vector<Eigen::Vector3d> path_in_world_;               // camera centres; metres
+  std::vector<Eigen::Vector3d> path_in_world_;               // camera centers; meters
   Eigen::Vector2d low_m_ = Eigen::Vector2d::Constant(-0.5);  // of (x, z) in the world
   Eigen::Vector2d high_m_ = Eigen::Vector2d::Constant(0.5);
 };

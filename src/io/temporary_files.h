@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Files under way: what a program that is ended at once must not leave behind.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Text files of rows and columns, as the TUM benchmark has them, read so that each error names file and line.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // In which unit time stamps are written.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "io/trajectory_io.h"
 
 #include <Eigen/Geometry>
@@ -27,7 +28,7 @@ void CheckPosition(const TextTable& table, const TextRow& row, const Eigen::Vect
     char value[32];
     std::snprintf(value, sizeof value, "%.3g", position.cwiseAbs().maxCoeff());
     throw InputError(table.Where(row) + ": a position of " + value +
-                     " m is farther away than the moon; is the file damaged, or are these no metres?");
+                     " m is farther away than the moon; is the file damaged, or are these no meters?");
   }
 }
 

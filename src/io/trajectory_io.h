@@ -1,4 +1,5 @@
-// Trajectories in the TUM benchmark's text format: "timestamp tx ty tz qx qy qz qw", seconds and metres, # for
+// SPDX-License-Identifier: Apache-2.0
+// Trajectories in the TUM benchmark's text format: "timestamp tx ty tz qx qy qz qw", seconds and meters, # for
 // comments.
 #pragma once
 
@@ -11,7 +12,7 @@
 namespace rds {
 
 // Reads a trajectory (estimate or ground truth): TUM's format, or columns named by a heading (EuRoC, csv), in seconds
-// or in whole milli-, micro- or nanoseconds. Quaternions are normalised. Left out with a warning that counts them: rows
+// or in whole milli-, micro- or nanoseconds. Quaternions are normalized. Left out with a warning that counts them: rows
 // with the timestamp of another (some recordings repeat a sample), with NaN, with a quaternion of zeros; rows out of
 // order are sorted, with a warning. `frame_times`: the times of a sequence's frames, for files of KITTI's form (twelve
 // columns without times, a row for each frame), and for frame numbers instead of times. InputError, naming file and

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "io/trajectory_io.h"
 
 #include <gmock/gmock.h>
@@ -57,7 +58,7 @@ TEST(TrajectoryIo, NeverWritesWhatIsNotFinite) {
   EXPECT_THROW((void)FormatTrajectory({pose}), InvariantError);
 }
 
-TEST(TrajectoryIo, NormalisesQuaternions) {
+TEST(TrajectoryIo, NormalizesQuaternions) {
   const TemporaryFolder folder;
   const Trajectory t = ReadTrajectory(folder.Write("t.txt", "1 0 0 0 0.6 0 0 0.7999\n"));
   EXPECT_NEAR(t[0].world_from_camera.rotation.norm(), 1, 1e-15);

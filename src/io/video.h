@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Video and still pictures of a run, drawn and encoded on a thread of their own.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "io/video.h"
 
 #include <gmock/gmock.h>
@@ -39,7 +40,7 @@ std::array<int, 3> Pixel(const Image8& image, int x, int y) {
   return {pixel[0], pixel[1], pixel[2]};
 }
 
-TEST(RunView, FeaturesHaveThePapersColours) {
+TEST(RunView, FeaturesHaveThePapersColors) {
   RunView view;
   const Image8 picture = view.Draw(ContentOf(0));
   ASSERT_EQ(picture.width, RunView::Width(kWidth, kHeight));
@@ -62,7 +63,7 @@ TEST(RunView, ShowsTheMask) {
   EXPECT_GT(inset[2], inset[0] + 100);
 }
 
-TEST(RunView, TakesGreyImagesLostFramesAndFarPoints) {
+TEST(RunView, TakesGrayImagesLostFramesAndFarPoints) {
   RunViewContent content = ContentOf(0);
   content.image = std::make_shared<Image8>(kWidth, kHeight, 1, std::uint8_t{90});
   auto map = std::make_shared<MapView>();

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Fetching the published weights, whole or not at all.
 #pragma once
 

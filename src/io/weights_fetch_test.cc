@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "io/weights_fetch.h"
 
 #include <arpa/inet.h>
@@ -28,14 +29,14 @@ using testing::HasSubstr;
 // An HTTP server on 127.0.0.1 that serves one file and misbehaves as told; one connection at a time, on its own thread.
 class LocalServer {
  public:
-  struct Behaviour {
+  struct Behavior {
     std::string body;
     bool ranges = true;               // answers Range with 206
     int status = 200;                 // other than 200: refuses with it
     std::vector<std::size_t> cuts{};  // the n-th answer ends after so many bytes of the body sent; later ones are whole
   };
 
-  explicit LocalServer(Behaviour behaviour) : behaviour_(std::move(behaviour)) {
+  explicit LocalServer(Behavior behavior) : behavior_(std::move(behavior)) {
     listener_ = socket(AF_INET, SOCK_STREAM, 0);
     sockaddr_in address{};
     address.sin_family = AF_INET;
@@ -92,25 +93,25 @@ class LocalServer {
       starts_.push_back(start);
     }
     Send(connection, Head(start));
-    if (behaviour_.status == 200 && !(behaviour_.ranges && start >= Size())) {
-      std::string rest = behaviour_.body.substr(behaviour_.ranges && start > 0 ? static_cast<std::size_t>(start) : 0);
-      if (number < behaviour_.cuts.size()) {
-        rest.resize(std::min(rest.size(), behaviour_.cuts[number]));
+    if (behavior_.status == 200 && !(behavior_.ranges && start >= Size())) {
+      std::string rest = behavior_.body.substr(behavior_.ranges && start > 0 ? static_cast<std::size_t>(start) : 0);
+      if (number < behavior_.cuts.size()) {
+        rest.resize(std::min(rest.size(), behavior_.cuts[number]));
       }
       Send(connection, rest);
     }
   }
 
-  [[nodiscard]] long Size() const { return static_cast<long>(behaviour_.body.size()); }
+  [[nodiscard]] long Size() const { return static_cast<long>(behavior_.body.size()); }
 
   [[nodiscard]] std::string Head(long start) const {
-    if (behaviour_.status != 200) {
-      return "HTTP/1.1 " + std::to_string(behaviour_.status) + " No\r\nContent-Length: 0\r\nConnection: close\r\n\r\n";
+    if (behavior_.status != 200) {
+      return "HTTP/1.1 " + std::to_string(behavior_.status) + " No\r\nContent-Length: 0\r\nConnection: close\r\n\r\n";
     }
-    if (behaviour_.ranges && start >= Size()) {
+    if (behavior_.ranges && start >= Size()) {
       return "HTTP/1.1 416 Range Not Satisfiable\r\nContent-Length: 0\r\nConnection: close\r\n\r\n";
     }
-    const bool partial = behaviour_.ranges && start >= 0;
+    const bool partial = behavior_.ranges && start >= 0;
     std::string head = partial ? "HTTP/1.1 206 Partial Content\r\n" : "HTTP/1.1 200 OK\r\n";
     if (partial) {
       head += "Content-Range: bytes " + std::to_string(start) + "-" + std::to_string(Size() - 1) + "/" +
@@ -131,7 +132,7 @@ class LocalServer {
     }
   }
 
-  const Behaviour behaviour_;
+  const Behavior behavior_;
   int listener_ = -1;
   int port_ = 0;
   std::atomic<bool> stopping_ = false;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Things by id, in memory that follows how many live, not how many ever lived.
 #pragma once
 

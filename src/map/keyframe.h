@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A keyframe of the map.
 #pragma once
 
@@ -30,13 +31,13 @@ struct Keyframe {
   std::uint32_t pose_revision = 0;  // grows with each change of the pose; lets a solver see that its copy is old
   std::shared_ptr<const FrameData> data;
   std::vector<PointId> points;        // one for each keypoint, invalid = none
-  std::vector<KeypointLabel> labels;  // one for each keypoint once the keyframe is labelled, empty before
+  std::vector<KeypointLabel> labels;  // one for each keypoint once the keyframe is labeled, empty before
   std::vector<Covisible> covisible;   // most shared points first, ties by id
   KeyframeId parent;                  // spanning tree; invalid for the root
   std::vector<KeyframeId> children;   // ascending
 
-  [[nodiscard]] bool IsLabelled() const { return !labels.empty(); }
-  [[nodiscard]] Eigen::Vector3d CameraCentre() const {
+  [[nodiscard]] bool IsLabeled() const { return !labels.empty(); }
+  [[nodiscard]] Eigen::Vector3d CameraCenter() const {
     return -(camera_from_world.rotation.conjugate() * camera_from_world.translation);
   }
 };

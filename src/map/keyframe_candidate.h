@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A tracked frame on its way to become a keyframe.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "map/local_map.h"
 
 #include <algorithm>
@@ -8,26 +9,26 @@
 namespace rds {
 namespace {
 
-// Ids around `centre`, ascending.
-std::vector<KeyframeId> SelectKeyframes(const Map& map, KeyframeId centre, const LocalMapOptions& options) {
+// Ids around `center`, ascending.
+std::vector<KeyframeId> SelectKeyframes(const Map& map, KeyframeId center, const LocalMapOptions& options) {
   const auto most = static_cast<std::size_t>(options.keyframes);
-  std::vector<KeyframeId> chosen = {centre};
+  std::vector<KeyframeId> chosen = {center};
   std::vector<bool> taken(map.newest().index() + 1, false);
-  taken[centre.index()] = true;
+  taken[center.index()] = true;
   const auto take = [&](KeyframeId id) {
     if (id.valid() && chosen.size() < most && !taken[id.index()]) {
       taken[id.index()] = true;
       chosen.push_back(id);
     }
   };
-  for (const Covisible& edge : map.At(centre).covisible) {
+  for (const Covisible& edge : map.At(center).covisible) {
     take(edge.keyframe);
   }
   const std::size_t direct = chosen.size();
   for (std::size_t i = 0; i < direct && chosen.size() < most; ++i) {
     const Keyframe& keyframe = map.At(chosen[i]);
-    for (const KeyframeId neighbour : map.BestCovisible(keyframe.id, static_cast<std::size_t>(options.neighbours))) {
-      take(neighbour);
+    for (const KeyframeId neighbor : map.BestCovisible(keyframe.id, static_cast<std::size_t>(options.neighbors))) {
+      take(neighbor);
     }
     take(keyframe.parent);
     for (const KeyframeId child : keyframe.children) {
@@ -49,14 +50,14 @@ void AppendPoint(const MapPoint& point, LocalMap* local) {
   local->min_distance_m.push_back(point.min_distance_m);
   local->max_distance_m.push_back(point.max_distance_m);
   local->descriptors.push_back(point.descriptor);
-  local->sightings.push_back(static_cast<std::uint8_t>(std::min<std::size_t>(point.sightings.size(), 255)));
+  local->observations.push_back(static_cast<std::uint8_t>(std::min<std::size_t>(point.observations.size(), 255)));
 }
 
 }  // namespace
 
-std::shared_ptr<const LocalMap> BuildLocalMap(const Map& map, KeyframeId centre, const LocalMapOptions& options) {
+std::shared_ptr<const LocalMap> BuildLocalMap(const Map& map, KeyframeId center, const LocalMapOptions& options) {
   auto local = std::make_shared<LocalMap>();
-  const std::vector<KeyframeId> chosen = SelectKeyframes(map, centre, options);
+  const std::vector<KeyframeId> chosen = SelectKeyframes(map, center, options);
   std::vector<PointId> ids;
   for (const KeyframeId id : chosen) {
     for (const PointId point : map.At(id).points) {
@@ -68,11 +69,11 @@ std::shared_ptr<const LocalMap> BuildLocalMap(const Map& map, KeyframeId centre,
   std::ranges::sort(ids);
   const auto rest = std::ranges::unique(ids);
   ids.erase(rest.begin(), rest.end());
-  const std::size_t enough_sightings = map.keyframes().size() <= 2 ? 1 : 2;
+  const std::size_t enough_observations = map.keyframes().size() <= 2 ? 1 : 2;
   for (const PointId id : ids) {
     const MapPoint& point = map.At(id);
     AppendPoint(point, local.get());
-    local->confirmed.push_back(point.sightings.size() >= enough_sightings ? 1 : 0);
+    local->confirmed.push_back(point.observations.size() >= enough_observations ? 1 : 0);
   }
   for (const KeyframeId id : chosen) {
     const Keyframe& keyframe = map.At(id);

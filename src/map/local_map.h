@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The part of the map that tracking reads: an immutable snapshot.
 #pragma once
 
@@ -13,8 +14,8 @@
 namespace rds {
 
 struct LocalMapOptions {
-  int keyframes = 40;   // at most, in a snapshot
-  int neighbours = 10;  // best covisible keyframes that each covisible keyframe brings along
+  int keyframes = 40;  // at most, in a snapshot
+  int neighbors = 10;  // best covisible keyframes that each covisible keyframe brings along
 };
 
 // A keyframe as tracking sees it.
@@ -31,16 +32,16 @@ struct LocalKeyframe {
 };
 
 // Points around the newest keyframe as structure of arrays, ascending by id, and the keyframes that see them. World
-// frame, metres. Never changed after BuildLocalMap: any thread may read it.
+// frame, meters. Never changed after BuildLocalMap: any thread may read it.
 struct LocalMap {
   std::vector<PointId> ids;
   std::vector<float> x, y, z;                       // position
   std::vector<float> normal_x, normal_y, normal_z;  // mean viewing direction, unit
   std::vector<float> min_distance_m, max_distance_m;
   std::vector<Descriptor> descriptors;
-  std::vector<std::uint8_t> sightings;   // keyframes that see it, 255 at most
-  std::vector<std::uint8_t> confirmed;   // 1 = seen by enough keyframes to count as tracked (keyframe policy)
-  std::vector<LocalKeyframe> keyframes;  // ascending by id
+  std::vector<std::uint8_t> observations;  // keyframes that see it, 255 at most
+  std::vector<std::uint8_t> confirmed;     // 1 = seen by enough keyframes to count as tracked (keyframe policy)
+  std::vector<LocalKeyframe> keyframes;    // ascending by id
   // Keyframes (index) that see point i: views[first_view[i]] up to views[first_view[i + 1]], ascending.
   std::vector<std::uint32_t> first_view;
   std::vector<std::uint16_t> views;
@@ -62,9 +63,9 @@ struct LocalMap {
   void CollectViews();
 };
 
-// Copies the surroundings of `centre`: itself, its covisible keyframes, their best neighbours, parents and children,
-// and all their points. The map must hold `centre`.
-[[nodiscard]] std::shared_ptr<const LocalMap> BuildLocalMap(const Map& map, KeyframeId centre,
+// Copies the surroundings of `center`: itself, its covisible keyframes, their best neighbors, parents and children,
+// and all their points. The map must hold `center`.
+[[nodiscard]] std::shared_ptr<const LocalMap> BuildLocalMap(const Map& map, KeyframeId center,
                                                             const LocalMapOptions& options);
 
 }  // namespace rds

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "map/map.h"
 
 #include <algorithm>
@@ -8,9 +9,9 @@
 namespace rds {
 namespace {
 
-auto SightingOf(MapPoint& point, KeyframeId keyframe) {
-  return std::lower_bound(point.sightings.begin(), point.sightings.end(), keyframe,
-                          [](const Sighting& s, KeyframeId id) { return s.keyframe < id; });
+auto ObservationOf(MapPoint& point, KeyframeId keyframe) {
+  return std::lower_bound(point.observations.begin(), point.observations.end(), keyframe,
+                          [](const Observation& s, KeyframeId id) { return s.keyframe < id; });
 }
 
 }  // namespace
@@ -58,41 +59,41 @@ MapPoint& Map::AddPoint(const Eigen::Vector3d& position, KeyframeId keyframe, st
   added->reference = keyframe;
   added->created_at = newest();
   MapPoint& point = points_.Add(std::move(added));
-  Check(AddSighting(point.id, keyframe, keypoint), "a new point takes a free keypoint");
+  Check(AddObservation(point.id, keyframe, keypoint), "a new point takes a free keypoint");
   UpdateAppearance(point.id);
   return point;
 }
 
-bool Map::AddSighting(PointId id, KeyframeId keyframe_id, std::uint32_t keypoint) {
+bool Map::AddObservation(PointId id, KeyframeId keyframe_id, std::uint32_t keypoint) {
   MapPoint& point = At(id);
   Keyframe& keyframe = At(keyframe_id);
-  const auto place = SightingOf(point, keyframe_id);
-  if (keyframe.points.at(keypoint).valid() || (place != point.sightings.end() && place->keyframe == keyframe_id)) {
+  const auto place = ObservationOf(point, keyframe_id);
+  if (keyframe.points.at(keypoint).valid() || (place != point.observations.end() && place->keyframe == keyframe_id)) {
     return false;
   }
-  point.sightings.insert(place, {keyframe_id, keypoint});
+  point.observations.insert(place, {keyframe_id, keypoint});
   keyframe.points[keypoint] = id;
   return true;
 }
 
-void Map::RemoveSighting(PointId id, KeyframeId keyframe_id) {
+void Map::RemoveObservation(PointId id, KeyframeId keyframe_id) {
   MapPoint& point = At(id);
-  const auto place = SightingOf(point, keyframe_id);
-  if (place == point.sightings.end() || place->keyframe != keyframe_id) {
+  const auto place = ObservationOf(point, keyframe_id);
+  if (place == point.observations.end() || place->keyframe != keyframe_id) {
     return;
   }
   At(keyframe_id).points[place->keypoint] = PointId{};
-  point.sightings.erase(place);
-  if (point.sightings.empty()) {
+  point.observations.erase(place);
+  if (point.observations.empty()) {
     ErasePoint(id);
   } else if (point.reference == keyframe_id) {
-    point.reference = point.sightings.front().keyframe;
+    point.reference = point.observations.front().keyframe;
   }
 }
 
 void Map::ErasePoint(PointId id) {
-  for (const Sighting& sighting : At(id).sightings) {
-    At(sighting.keyframe).points[sighting.keypoint] = PointId{};
+  for (const Observation& observation : At(id).observations) {
+    At(observation.keyframe).points[observation.keypoint] = PointId{};
   }
   points_.Erase(id);
 }
@@ -103,10 +104,10 @@ void Map::Fuse(PointId from_id, PointId to_id) {
   MapPoint& to = At(to_id);
   to.visible += from.visible;
   to.found += from.found;
-  const std::vector<Sighting> sightings = from.sightings;
+  const std::vector<Observation> observations = from.observations;
   ErasePoint(from_id);
-  for (const Sighting& sighting : sightings) {
-    AddSighting(to_id, sighting.keyframe, sighting.keypoint);
+  for (const Observation& observation : observations) {
+    AddObservation(to_id, observation.keyframe, observation.keypoint);
   }
   replaced_by_[from_id] = to_id;
   fused_.push_back(from_id);
@@ -139,8 +140,8 @@ std::vector<std::pair<PointId, PointId>> Map::RecentReplacements() const {
 void Map::UpdateAppearance(PointId id) {
   MapPoint& point = At(id);
   std::vector<const Descriptor*> descriptors;
-  for (const Sighting& sighting : point.sightings) {
-    descriptors.push_back(&At(sighting.keyframe).data->descriptors()[sighting.keypoint]);
+  for (const Observation& observation : point.observations) {
+    descriptors.push_back(&At(observation.keyframe).data->descriptors()[observation.keypoint]);
   }
   // The descriptor with the least median distance to all others; a cap keeps this cheap for long-lived points.
   constexpr std::size_t kMost = 16;
@@ -166,15 +167,15 @@ void Map::UpdateAppearance(PointId id) {
 void Map::UpdateNormal(PointId id) {
   MapPoint& point = At(id);
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const Sighting& sighting : point.sightings) {
-    sum += (point.position - At(sighting.keyframe).CameraCentre()).normalized();
+  for (const Observation& observation : point.observations) {
+    sum += (point.position - At(observation.keyframe).CameraCenter()).normalized();
   }
   point.normal = sum.normalized();
   const Keyframe& reference = At(point.reference);
-  const auto host = std::lower_bound(point.sightings.begin(), point.sightings.end(), point.reference,
-                                     [](const Sighting& s, KeyframeId k) { return s.keyframe < k; });
+  const auto host = std::lower_bound(point.observations.begin(), point.observations.end(), point.reference,
+                                     [](const Observation& s, KeyframeId k) { return s.keyframe < k; });
   const auto octave = reference.data->keypoints()[host->keypoint].octave;
-  const auto distance = static_cast<float>((point.position - reference.CameraCentre()).norm());
+  const auto distance = static_cast<float>((point.position - reference.CameraCenter()).norm());
   point.max_distance_m = distance * pyramid_.scale[octave];
   point.min_distance_m = point.max_distance_m / pyramid_.scale.back();
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The map: keyframes, points, covisibility graph and spanning tree.
 #pragma once
 
@@ -49,11 +50,11 @@ class Map {
   MapPoint& AddPoint(const Eigen::Vector3d& position, KeyframeId keyframe, std::uint32_t keypoint);
 
   // Links both sides. False (and nothing done) if the keypoint has a point or the keyframe sees the point already.
-  bool AddSighting(PointId point, KeyframeId keyframe, std::uint32_t keypoint);
-  // Unlinks both sides; a point left without sightings is erased.
-  void RemoveSighting(PointId point, KeyframeId keyframe);
+  bool AddObservation(PointId point, KeyframeId keyframe, std::uint32_t keypoint);
+  // Unlinks both sides; a point left without observations is erased.
+  void RemoveObservation(PointId point, KeyframeId keyframe);
   void ErasePoint(PointId point);
-  // Moves the sightings of `from` to `to` where `to` is not seen yet, and erases `from`, of which ReplacedBy then
+  // Moves the observations of `from` to `to` where `to` is not seen yet, and erases `from`, of which ReplacedBy then
   // tells.
   void Fuse(PointId from, PointId to);
   // The living point that took the place of an id, following fusions: the id itself if it lives, invalid if it is gone.
@@ -62,7 +63,7 @@ class Map {
   // The latest fusions (at most kRecent) as (from, what it is now), ascending by `from`.
   [[nodiscard]] std::vector<std::pair<PointId, PointId>> RecentReplacements() const;
 
-  // Recomputes descriptor, normal and distance range of a point from its sightings.
+  // Recomputes descriptor, normal and distance range of a point from its observations.
   void UpdateAppearance(PointId point);
   // Recomputes normal and distance range only (after a move).
   void UpdateNormal(PointId point);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The graphs of the map: covisibility and spanning tree.
 #include <algorithm>
 #include <utility>
@@ -23,8 +24,8 @@ void Map::UpdateCovisibility(KeyframeId id) {
     if (!point.valid()) {
       continue;
     }
-    for (const Sighting& sighting : At(point).sightings) {
-      ++shared[sighting.keyframe.index()];
+    for (const Observation& observation : At(point).observations) {
+      ++shared[observation.keyframe.index()];
     }
   }
   shared[id.index()] = 0;
@@ -100,7 +101,7 @@ void Map::EraseKeyframe(KeyframeId id) {
   Check(keyframe.parent.valid(), "the root of the spanning tree stays");
   for (const PointId point : std::vector<PointId>(keyframe.points)) {
     if (point.valid()) {
-      RemoveSighting(point, id);
+      RemoveObservation(point, id);
     }
   }
   for (const Covisible& edge : std::vector<Covisible>(keyframe.covisible)) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A landmark.
 #pragma once
 
@@ -11,7 +12,7 @@
 namespace rds {
 
 // That a keyframe sees a point at one of its keypoints.
-struct Sighting {
+struct Observation {
   KeyframeId keyframe;
   std::uint32_t keypoint = 0;
 };
@@ -19,16 +20,16 @@ struct Sighting {
 // A 3-D point with its appearance. Owned and changed by Map only; not thread-safe by itself.
 struct MapPoint {
   PointId id;
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();  // in the world frame, metres
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  // in the world frame, meters
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();    // mean direction from the observing cameras to the point, unit
   float min_distance_m = 0;                            // range in which the pyramid can see it again
   float max_distance_m = 0;
-  Descriptor descriptor{};          // the sighting's descriptor with the least median distance to the others
-  std::vector<Sighting> sightings;  // ascending by keyframe
-  KeyframeId reference;             // keyframe that hosts the point: its oldest sighting
-  KeyframeId created_at;            // newest keyframe when the point was made, for the trial of young points
-  int visible = 1;                  // frames in whose view it was
-  int found = 1;                    // frames that matched it
+  Descriptor descriptor{};                // the observation's descriptor with the least median distance to the others
+  std::vector<Observation> observations;  // ascending by keyframe
+  KeyframeId reference;                   // keyframe that hosts the point: its oldest observation
+  KeyframeId created_at;                  // newest keyframe when the point was made, for the trial of young points
+  int visible = 1;                        // frames in whose view it was
+  int found = 1;                          // frames that matched it
 };
 
 }  // namespace rds

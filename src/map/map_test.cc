@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "map/map.h"
 
 #include <gtest/gtest.h>
@@ -42,7 +43,7 @@ struct Pair {
     b = AddKeyframe(map, 5, 0.1);
     for (std::uint32_t i = 0; i < shared; ++i) {
       const PointId point = map.AddPoint({0.01 * i, 0, 2}, a, i).id;
-      EXPECT_TRUE(map.AddSighting(point, b, i));
+      EXPECT_TRUE(map.AddObservation(point, b, i));
     }
     map.UpdateCovisibility(b);
   }
@@ -52,17 +53,17 @@ TEST(Map, LinksBothSides) {
   Pair pair(20);
   EXPECT_EQ(pair.map.point_count(), 20U);
   const MapPoint& point = pair.map.At(PointId{3});
-  ASSERT_EQ(point.sightings.size(), 2U);
+  ASSERT_EQ(point.observations.size(), 2U);
   EXPECT_EQ(pair.map.At(pair.b).points[3], PointId{3});
-  EXPECT_FALSE(pair.map.AddSighting(PointId{3}, pair.b, 50));  // seen there already
-  EXPECT_FALSE(pair.map.AddSighting(PointId{3}, pair.b, 4));   // taken
+  EXPECT_FALSE(pair.map.AddObservation(PointId{3}, pair.b, 50));  // seen there already
+  EXPECT_FALSE(pair.map.AddObservation(PointId{3}, pair.b, 4));   // taken
 }
 
-TEST(Map, RemovingTheLastSightingErasesThePoint) {
+TEST(Map, RemovingTheLastObservationErasesThePoint) {
   Pair pair(20);
-  pair.map.RemoveSighting(PointId{3}, pair.a);
+  pair.map.RemoveObservation(PointId{3}, pair.a);
   EXPECT_EQ(pair.map.At(PointId{3}).reference, pair.b);
-  pair.map.RemoveSighting(PointId{3}, pair.b);
+  pair.map.RemoveObservation(PointId{3}, pair.b);
   EXPECT_EQ(pair.map.Find(PointId{3}), nullptr);
   EXPECT_FALSE(pair.map.At(pair.b).points[3].valid());
   EXPECT_EQ(pair.map.point_count(), 19U);
@@ -84,11 +85,11 @@ TEST(Map, AWeakEdgeIsKeptOnlyAsTheBestOne) {
   EXPECT_EQ(pair.map.At(pair.b).covisible.size(), 1U);
   const KeyframeId c = AddKeyframe(pair.map, 9);
   for (std::uint32_t i = 0; i < 3; ++i) {
-    EXPECT_TRUE(pair.map.AddSighting(PointId{i}, c, i));
+    EXPECT_TRUE(pair.map.AddObservation(PointId{i}, c, i));
   }
   for (std::uint32_t i = 20; i < 40; ++i) {
     const PointId point = pair.map.AddPoint({0.01 * i, 0, 2}, pair.a, i).id;
-    EXPECT_TRUE(pair.map.AddSighting(point, c, i));
+    EXPECT_TRUE(pair.map.AddObservation(point, c, i));
   }
   pair.map.UpdateCovisibility(c);
   ASSERT_EQ(pair.map.At(c).covisible.size(), 1U);
@@ -102,7 +103,7 @@ TEST(Map, FusedPointsResolveToTheSurvivor) {
   const PointId last = pair.map.AddPoint({0.5, 0, 2}, pair.b, 61).id;
   pair.map.Fuse(extra, other);
   EXPECT_EQ(pair.map.Resolve(extra), other);
-  EXPECT_EQ(pair.map.At(other).sightings.size(), 2U);
+  EXPECT_EQ(pair.map.At(other).observations.size(), 2U);
   EXPECT_EQ(pair.map.At(pair.a).points[60], other);
   pair.map.Fuse(other, last);
   EXPECT_EQ(pair.map.Resolve(extra), last);
@@ -122,7 +123,7 @@ TEST(Map, IdsOfPointsOutliveTheirTable) {
   std::size_t most_freed = 0;
   for (std::uint32_t frame = 1; given < 20 * kPages * kIdsPerPage; ++frame) {
     const KeyframeId keyframe = AddKeyframe(map, frame);
-    map.AddSighting(first, keyframe, 0);
+    map.AddObservation(first, keyframe, 0);
     map.UpdateCovisibility(keyframe);
     PointId fused;
     for (std::uint32_t i = 1; i < 100; ++i, ++given) {
@@ -149,7 +150,7 @@ TEST(Map, AnErasedKeyframeHangsOnItsParent) {
   Pair pair(20);
   const KeyframeId c = AddKeyframe(pair.map, 9, 0.3);
   for (std::uint32_t i = 0; i < 20; ++i) {
-    EXPECT_TRUE(pair.map.AddSighting(PointId{i}, c, i));
+    EXPECT_TRUE(pair.map.AddObservation(PointId{i}, c, i));
   }
   pair.map.UpdateCovisibility(c);
   const Rigid3 before = pair.map.CameraFromWorld(pair.b);
@@ -160,7 +161,7 @@ TEST(Map, AnErasedKeyframeHangsOnItsParent) {
   // A correction of the parent reaches what hangs on it.
   pair.map.SetPose(pair.a, {Eigen::Quaterniond::Identity(), {0, 1, 0}});
   EXPECT_TRUE(pair.map.CameraFromWorld(pair.b).translation.isApprox(before.translation + Eigen::Vector3d(0, 1, 0)));
-  EXPECT_EQ(pair.map.At(PointId{3}).sightings.size(), 2U);
+  EXPECT_EQ(pair.map.At(PointId{3}).observations.size(), 2U);
 }
 
 TEST(LocalMap, IsASortedCopyThatLaterChangesDoNotReach) {
@@ -186,7 +187,7 @@ TEST(LocalMap, IsBounded) {
   for (std::uint32_t k = 0; k < 20; ++k) {
     const KeyframeId id = AddKeyframe(pair.map, 10 + k);
     for (std::uint32_t i = 0; i < 20; ++i) {
-      EXPECT_TRUE(pair.map.AddSighting(PointId{i}, id, i));
+      EXPECT_TRUE(pair.map.AddObservation(PointId{i}, id, i));
     }
     pair.map.UpdateCovisibility(id);
   }

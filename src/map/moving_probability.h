@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Moving probability of map points: the paper's section IV-D.
 #pragma once
 
@@ -17,8 +18,8 @@
 namespace rds {
 
 struct MovingProbabilityOptions {
-  double alpha = 0.9;          // p(labelled dynamic | dynamic)
-  double beta = 0.9;           // p(labelled static | static)
+  double alpha = 0.9;          // p(labeled dynamic | dynamic)
+  double beta = 0.9;           // p(labeled static | static)
   double static_below = 0.4;   // theta_s
   double dynamic_above = 0.6;  // theta_d
   double floor = 0.02;         // p stays within [floor, 1 - floor], so that a point can change its mind
@@ -36,14 +37,14 @@ enum class PointState : std::uint8_t { kStatic, kUnknown, kDynamic };
   return probability > options.dynamic_above ? PointState::kDynamic : PointState::kUnknown;
 }
 
-// One Bayes step (equations 2 to 4) with the proper normaliser; the transition is the identity.
+// One Bayes step (equations 2 to 4) with the proper normalizer; the transition is the identity.
 [[nodiscard]] double UpdateProbability(double prior, bool observed_dynamic, const MovingProbabilityOptions& options);
 
 // Probability of a point into which another was fused: both are independent evidence on the same prior of .5.
 [[nodiscard]] double FuseProbabilities(double a, double b, const MovingProbabilityOptions& options);
 
 // Table of probabilities by point id, in the pages of the map's ids (IdTable). Get is wait-free, from any thread, so a
-// label helps tracking the moment it arrives. The rest is for writers that hold the door of the map.
+// label helps tracking the moment it arrives. The rest is for writers that hold the lock of the map.
 class MovingProbabilities {
  public:
   // `pages`: as those of the map's points.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "map/moving_probability.h"
 
 #include <gtest/gtest.h>
@@ -8,7 +9,7 @@
 namespace rds {
 namespace {
 
-TEST(MovingProbability, BayesStepHasTheProperNormaliser) {
+TEST(MovingProbability, BayesStepHasTheProperNormalizer) {
   MovingProbabilityOptions options;
   options.floor = 0;
   EXPECT_DOUBLE_EQ(UpdateProbability(0.5, true, options), 0.9);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "mapping/local_bundle.h"
 
 #include <algorithm>
@@ -8,22 +9,22 @@
 namespace rds {
 namespace {
 
-// Keyframes to optimise: the centre and its best covisible ones; only labelled ones where the options ask for it and
+// Keyframes to optimize: the center and its best covisible ones; only labeled ones where the options ask for it and
 // enough are there.
-std::vector<KeyframeId> SelectFree(const Map& map, KeyframeId centre, bool semantics,
+std::vector<KeyframeId> SelectFree(const Map& map, KeyframeId center, bool semantics,
                                    const LocalBundleOptions& options) {
-  std::vector<KeyframeId> all = {centre};
-  std::vector<KeyframeId> labelled;
-  for (const Covisible& edge : map.At(centre).covisible) {
+  std::vector<KeyframeId> all = {center};
+  std::vector<KeyframeId> labeled;
+  for (const Covisible& edge : map.At(center).covisible) {
     all.push_back(edge.keyframe);
   }
   for (const KeyframeId id : all) {
-    if (map.At(id).IsLabelled()) {
-      labelled.push_back(id);
+    if (map.At(id).IsLabeled()) {
+      labeled.push_back(id);
     }
   }
-  const bool filter = semantics && options.labelled_only && std::ssize(labelled) >= options.enough_labelled;
-  std::vector<KeyframeId>& chosen = filter ? labelled : all;
+  const bool filter = semantics && options.labeled_only && std::ssize(labeled) >= options.enough_labeled;
+  std::vector<KeyframeId>& chosen = filter ? labeled : all;
   chosen.resize(std::min(chosen.size(), static_cast<std::size_t>(options.keyframes)));
   std::ranges::sort(chosen);
   return chosen;
@@ -34,8 +35,8 @@ std::vector<KeyframeId> SelectFixed(const Map& map, const std::vector<KeyframeId
                                     const std::vector<PointId>& points, const LocalBundleOptions& options) {
   std::map<KeyframeId, int> shared;
   for (const PointId point : points) {
-    for (const Sighting& sighting : map.At(point).sightings) {
-      ++shared[sighting.keyframe];
+    for (const Observation& observation : map.At(point).observations) {
+      ++shared[observation.keyframe];
     }
   }
   for (const KeyframeId id : free_keyframes) {
@@ -56,11 +57,11 @@ std::vector<KeyframeId> SelectFixed(const Map& map, const std::vector<KeyframeId
 
 }  // namespace
 
-LocalBundle CopyLocalBundle(const Map& map, KeyframeId centre, bool semantics, const MovingProbabilities& probabilities,
+LocalBundle CopyLocalBundle(const Map& map, KeyframeId center, bool semantics, const MovingProbabilities& probabilities,
                             const MovingProbabilityOptions& probability_options, const LocalBundleOptions& options) {
   LocalBundle bundle;
   const bool weighted = semantics && options.weighted;
-  const std::vector<KeyframeId> free_keyframes = SelectFree(map, centre, semantics, options);
+  const std::vector<KeyframeId> free_keyframes = SelectFree(map, center, semantics, options);
   for (const KeyframeId id : free_keyframes) {
     for (const PointId point : map.At(id).points) {
       if (point.valid()) {
@@ -97,10 +98,10 @@ LocalBundle CopyLocalBundle(const Map& map, KeyframeId centre, bool semantics, c
     const MapPoint& point = map.At(id);
     const double weight = weighted ? 1.0 - probabilities.Get(id) : 1.0;
     const std::size_t before = bundle.problem.observations.size();
-    for (const Sighting& sighting : point.sightings) {
-      const auto pose = pose_of.find(sighting.keyframe);
+    for (const Observation& observation : point.observations) {
+      const auto pose = pose_of.find(observation.keyframe);
       if (pose != pose_of.end()) {
-        const Keypoint& keypoint = map.At(sighting.keyframe).data->keypoints()[sighting.keypoint];
+        const Keypoint& keypoint = map.At(observation.keyframe).data->keypoints()[observation.keypoint];
         bundle.problem.observations.push_back(
             {pose->second, static_cast<std::uint32_t>(kept.size()), ObservationOf(keypoint, map.pyramid(), weight)});
       }
@@ -131,7 +132,7 @@ void ApplyLocalBundle(Map& map, const LocalBundle& bundle, const BundleResult& r
     const PointId point = bundle.points[observation.point];
     if (result.outlier[i] != 0 && map.Find(point) != nullptr &&
         map.Find(bundle.keyframes[observation.pose]) != nullptr) {
-      map.RemoveSighting(point, bundle.keyframes[observation.pose]);
+      map.RemoveObservation(point, bundle.keyframes[observation.pose]);
     }
   }
   for (std::size_t i = 0; i < bundle.points.size(); ++i) {

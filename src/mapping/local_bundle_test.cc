@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "mapping/local_bundle.h"
 
 #include <gtest/gtest.h>
@@ -21,7 +22,7 @@ Rigid3 Truth(std::size_t keyframe) {
 }
 
 // Keyframes along an arc that all see the same points exactly, but for one keypoint of each that is `free`. Poses but
-// the root's are off by some centimetres, points by some millimetres.
+// the root's are off by some centimeters, points by some millimeters.
 struct Scene {
   Map map{ScalePyramid()};
   MovingProbabilities probabilities;
@@ -58,7 +59,7 @@ struct Scene {
         if (k == 0) {
           map.AddPoint(points[i] + Eigen::Vector3d(random.Uniform(-0.005, 0.005), 0.003, 0.005), id, i);
         } else {
-          EXPECT_TRUE(map.AddSighting(PointId{i}, id, i));
+          EXPECT_TRUE(map.AddObservation(PointId{i}, id, i));
         }
       }
       map.UpdateCovisibility(id);
@@ -68,8 +69,8 @@ struct Scene {
     return CopyLocalBundle(map, map.newest(), semantics, probabilities, {}, options);
   }
   void Label(std::uint32_t keyframe) {
-    Keyframe& labelled = map.At(KeyframeId{keyframe});
-    labelled.labels.assign(labelled.points.size(), KeypointLabel::kNone);
+    Keyframe& labeled = map.At(KeyframeId{keyframe});
+    labeled.labels.assign(labeled.points.size(), KeypointLabel::kNone);
   }
 };
 
@@ -99,7 +100,7 @@ TEST(LocalBundle, RecoversPosesAndPointsWithTheRootHeld) {
   }
   for (std::uint32_t i = 0; i < kPoints; ++i) {
     EXPECT_THAT(scene.map.At(PointId{i}).position, MatrixNear(scene.points[i], 1e-3));
-    EXPECT_EQ(scene.map.At(PointId{i}).sightings.size(), 4U);
+    EXPECT_EQ(scene.map.At(PointId{i}).observations.size(), 4U);
   }
 }
 
@@ -133,9 +134,9 @@ TEST(LocalBundle, KeyframesBeyondTheWindowAreHeld) {
   EXPECT_EQ(scene.Copy().problem.observations.size(), 3U * kPoints);
 }
 
-TEST(LocalBundle, OnlyLabelledKeyframesTakePartOnceThereAreEnough) {
+TEST(LocalBundle, OnlyLabeledKeyframesTakePartOnceThereAreEnough) {
   Scene scene(6);
-  scene.options.labelled_only = true;
+  scene.options.labeled_only = true;
   scene.options.fixed_keyframes = 0;
   scene.Label(2);
   scene.Label(3);
@@ -185,14 +186,14 @@ TEST(LocalBundle, WhatChangedMeanwhileIsNotWrittenOver) {
   EXPECT_EQ(scene.map.At(PointId{kPoints}).position, Eigen::Vector3d(0, 0, 2));
 }
 
-TEST(LocalBundle, OutlierSightingsAreUnlinked) {
+TEST(LocalBundle, OutlierObservationsAreUnlinked) {
   Scene scene(4, 8);
   const LocalBundle bundle = scene.Copy();
   scene.options.solver.robust_iterations = scene.options.solver.final_iterations = 20;
   ApplyLocalBundle(scene.map, bundle, AdjustBundle(bundle.problem, scene.options.solver));
   EXPECT_FALSE(scene.map.At(KeyframeId{3}).points[8].valid());
-  EXPECT_EQ(scene.map.At(PointId{8}).sightings.size(), 3U);
-  EXPECT_EQ(scene.map.At(PointId{9}).sightings.size(), 4U);
+  EXPECT_EQ(scene.map.At(PointId{8}).observations.size(), 3U);
+  EXPECT_EQ(scene.map.At(PointId{9}).observations.size(), 4U);
   EXPECT_THAT(scene.map.At(KeyframeId{3}).camera_from_world, RigidNear(Truth(3), 1e-3, 0.05));
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "mapping/local_mapper.h"
 
 #include <algorithm>
@@ -33,7 +34,7 @@ void LocalMapper::AddTrackedPoints(Map& map, Keyframe& keyframe, const KeyframeC
   for (std::size_t i = 0; i < candidate.points.size(); ++i) {
     const PointId id = candidate.points[i].valid() ? map.Resolve(candidate.points[i]) : PointId{};
     if (id.valid() &&
-        AddSighting(map, id, keyframe.id, static_cast<std::uint32_t>(i), probabilities_, probability_options_)) {
+        AddObservation(map, id, keyframe.id, static_cast<std::uint32_t>(i), probabilities_, probability_options_)) {
       map.UpdateAppearance(id);
     }
   }
@@ -68,32 +69,32 @@ void LocalMapper::AddDepthPoints(Map& map, Keyframe& keyframe, const KeyframeCan
       if (!candidate.probabilities.empty()) {
         probabilities_.Set(point, candidate.probabilities[index]);
       }
-      young_points_.push_back(point);
+      recent_points_.push_back(point);
     }
   }
 }
 
 void LocalMapper::Refine(Map& map, KeyframeId keyframe) {
-  CullYoungPoints(map, keyframe);
+  CullRecentPoints(map, keyframe);
   Triangulate(map, keyframe);
   Fuse(map, keyframe);
   map.UpdateCovisibility(keyframe);
 }
 
-void LocalMapper::CullYoungPoints(Map& map, KeyframeId newest) {
-  std::erase_if(young_points_, [&](PointId id) {
+void LocalMapper::CullRecentPoints(Map& map, KeyframeId newest) {
+  std::erase_if(recent_points_, [&](PointId id) {
     const MapPoint* point = map.Find(id);
     if (point == nullptr) {
       return true;
     }
     const int age = static_cast<int>(newest.value - point->created_at.value);
     const bool rarely_found = point->found < options_.min_found_ratio * point->visible;
-    const bool rarely_seen = age >= 2 && std::ssize(point->sightings) < options_.min_sightings;
+    const bool rarely_seen = age >= 2 && std::ssize(point->observations) < options_.min_observations;
     if (rarely_found || rarely_seen) {
       map.ErasePoint(id);
       return true;
     }
-    return age >= options_.young_keyframes;
+    return age >= options_.probation_keyframes;
   });
 }
 
@@ -120,15 +121,16 @@ bool LocalMapper::IsRedundant(const Map& map, const Keyframe& keyframe) const {
     }
     ++examined;
     int others = 0;
-    for (const Sighting& sighting : map.At(keyframe.points[i]).sightings) {
-      others += sighting.keyframe != keyframe.id &&
-                        map.At(sighting.keyframe).data->keypoints()[sighting.keypoint].octave <= keypoint.octave + 1
-                    ? 1
-                    : 0;
+    for (const Observation& observation : map.At(keyframe.points[i]).observations) {
+      others +=
+          observation.keyframe != keyframe.id &&
+                  map.At(observation.keyframe).data->keypoints()[observation.keypoint].octave <= keypoint.octave + 1
+              ? 1
+              : 0;
     }
-    redundant += others >= options_.redundant_sightings ? 1 : 0;
+    redundant += others >= options_.redundant_observations ? 1 : 0;
   }
-  return redundant > options_.redundant_share * examined;
+  return redundant > options_.redundant_ratio * examined;
 }
 
 }  // namespace rds

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "mapping/local_mapper.h"
 
 #include <gtest/gtest.h>
@@ -40,7 +41,7 @@ struct Scene {
   MovingProbabilities probabilities;
   std::uint32_t frames = 0;
 
-  Scene() { options.triangulate_neighbours = options.fuse_neighbours = 0; }
+  Scene() { options.triangulate_neighbors = options.fuse_neighbors = 0; }
   [[nodiscard]] LocalMapper Mapper() { return {options, probability_options, probabilities}; }
   // A candidate that tracked no point, at the origin of the world.
   [[nodiscard]] KeyframeCandidate Candidate(std::vector<Keypoint> keypoints) {
@@ -143,14 +144,14 @@ TEST(LocalMapper, TrackedPointsAreLinkedAndCountedThroughFusions) {
   const KeyframeId root = mapper.Insert(scene.map, scene.Candidate(Row(kPoints)));
   KeyframeCandidate candidate = scene.Tracked(20);
   candidate.uses = {{PointId{0}, 7, 3}, {PointId{25}, 4, 2}};
-  scene.map.RemoveSighting(PointId{25}, root);  // gone while the candidate waited
-  scene.map.Fuse(PointId{0}, PointId{29});      // now another point
+  scene.map.RemoveObservation(PointId{25}, root);  // gone while the candidate waited
+  scene.map.Fuse(PointId{0}, PointId{29});         // now another point
   const Keyframe& keyframe = scene.map.At(mapper.Insert(scene.map, candidate));
   EXPECT_EQ(keyframe.points[0], PointId{29});
   EXPECT_EQ(scene.map.At(PointId{29}).visible, 1 + 1 + 7);
   EXPECT_EQ(scene.map.At(PointId{29}).found, 1 + 1 + 3);
   EXPECT_EQ(keyframe.points[1], PointId{1});
-  EXPECT_EQ(scene.map.At(PointId{1}).sightings.size(), 2U);
+  EXPECT_EQ(scene.map.At(PointId{1}).observations.size(), 2U);
 }
 
 TEST(LocalMapper, PointsOnTrialGoIfTheyAreRarelyFound) {
@@ -183,7 +184,7 @@ TEST(LocalMapper, TheTrialEnds) {
   Scene scene;
   LocalMapper mapper = scene.Mapper();
   mapper.Insert(scene.map, scene.Candidate(Row(kPoints)));
-  for (int i = 0; i < scene.options.young_keyframes; ++i) {
+  for (int i = 0; i < scene.options.probation_keyframes; ++i) {
     mapper.Refine(scene.map, mapper.Insert(scene.map, scene.Tracked()));
   }
   KeyframeCandidate candidate = scene.Tracked();
@@ -206,7 +207,7 @@ std::vector<KeyframeId> CullAmongFive(std::uint8_t octave, std::uint32_t alone, 
       if (k == 0) {
         map->AddPoint({0.01 * i, 0, 2}, id, i);
       } else {
-        EXPECT_TRUE(map->AddSighting(PointId{i}, id, i));
+        EXPECT_TRUE(map->AddObservation(PointId{i}, id, i));
       }
     }
     for (std::uint32_t i = kPoints; k == 1 && i < kPoints + alone; ++i) {

@@ -1,4 +1,5 @@
-// Local mapping's searches: new points with neighbouring keyframes, and duplicates.
+// SPDX-License-Identifier: Apache-2.0
+// Local mapping's searches: new points with neighboring keyframes, and duplicates.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -16,7 +17,7 @@ std::vector<std::uint32_t> FreeKeypoints(const Keyframe& keyframe) {
   std::vector<std::uint32_t> indices;
   for (std::size_t i = 0; i < keyframe.points.size(); ++i) {
     // What the mask says is a person makes no point.
-    const bool dynamic = keyframe.IsLabelled() && keyframe.labels[i] == KeypointLabel::kDynamic;
+    const bool dynamic = keyframe.IsLabeled() && keyframe.labels[i] == KeypointLabel::kDynamic;
     if (!keyframe.points[i].valid() && !dynamic) {
       indices.push_back(static_cast<std::uint32_t>(i));
     }
@@ -89,7 +90,7 @@ std::vector<Fusion> FindFusions(const Map& map, const Keyframe& keyframe, const 
   const FrameData& data = *keyframe.data;
   const PinholeCamera& camera = data.camera();
   const Eigen::Matrix3d rotation = keyframe.camera_from_world.RotationMatrix();
-  const Eigen::Vector3d centre = keyframe.CameraCentre();
+  const Eigen::Vector3d center = keyframe.CameraCenter();
   std::vector<Fusion> fusions;
   for (const PointId id : points) {
     const MapPoint& point = map.At(id);
@@ -98,7 +99,7 @@ std::vector<Fusion> FindFusions(const Map& map, const Keyframe& keyframe, const 
       continue;
     }
     const Eigen::Vector2d pixel = camera.Project(in_camera);
-    const Eigen::Vector3d ray = point.position - centre;
+    const Eigen::Vector3d ray = point.position - center;
     const double distance = ray.norm();
     if (!data.IsInImage(static_cast<float>(pixel.x()), static_cast<float>(pixel.y())) ||
         distance < 0.8 * static_cast<double>(point.min_distance_m) ||
@@ -134,40 +135,39 @@ std::vector<Fusion> FindFusions(const Map& map, const Keyframe& keyframe, const 
 }
 
 bool Sees(const MapPoint& point, KeyframeId keyframe) {
-  return std::ranges::binary_search(point.sightings, keyframe, {}, &Sighting::keyframe);
+  return std::ranges::binary_search(point.observations, keyframe, {}, &Observation::keyframe);
 }
 
 }  // namespace
 
 void LocalMapper::Triangulate(Map& map, KeyframeId id) {
-  for (const KeyframeId neighbour_id :
-       map.BestCovisible(id, static_cast<std::size_t>(options_.triangulate_neighbours))) {
+  for (const KeyframeId neighbor_id : map.BestCovisible(id, static_cast<std::size_t>(options_.triangulate_neighbors))) {
     const Keyframe& keyframe = map.At(id);
-    const Keyframe& neighbour = map.At(neighbour_id);
+    const Keyframe& neighbor = map.At(neighbor_id);
     const PinholeCamera& camera = keyframe.data->camera();
-    if ((keyframe.CameraCentre() - neighbour.CameraCentre()).norm() < camera.baseline_m) {
+    if ((keyframe.CameraCenter() - neighbor.CameraCenter()).norm() < camera.baseline_m) {
       continue;
     }
     const std::vector<std::uint32_t> free_keypoints = FreeKeypoints(keyframe);
     for (const Match& match :
-         MatchAlongEpipolarLines(map, keyframe, free_keypoints, neighbour, options_.triangulate_ratio)) {
+         MatchAlongEpipolarLines(map, keyframe, free_keypoints, neighbor, options_.triangulate_ratio)) {
       const std::uint32_t own = free_keypoints[match.query];
       const auto position =
           TriangulatePoint(camera, map.pyramid(), {&keyframe.data->keypoints()[own], keyframe.camera_from_world},
-                           {&neighbour.data->keypoints()[match.keypoint], neighbour.camera_from_world});
+                           {&neighbor.data->keypoints()[match.keypoint], neighbor.camera_from_world});
       if (position) {
         const PointId point = AddPoint(map, *position, id, own, probabilities_, probability_options_).id;
-        AddSighting(map, point, neighbour_id, match.keypoint, probabilities_, probability_options_);
-        map.At(point).reference = std::min(id, neighbour_id);
+        AddObservation(map, point, neighbor_id, match.keypoint, probabilities_, probability_options_);
+        map.At(point).reference = std::min(id, neighbor_id);
         map.UpdateAppearance(point);
-        young_points_.push_back(point);
+        recent_points_.push_back(point);
       }
     }
   }
 }
 
 void LocalMapper::Fuse(Map& map, KeyframeId id) {
-  std::vector<KeyframeId> targets = map.BestCovisible(id, static_cast<std::size_t>(options_.fuse_neighbours));
+  std::vector<KeyframeId> targets = map.BestCovisible(id, static_cast<std::size_t>(options_.fuse_neighbors));
   const std::size_t direct = targets.size();
   for (std::size_t i = 0; i < direct; ++i) {
     for (const KeyframeId second : map.BestCovisible(targets[i], 5)) {
@@ -185,8 +185,8 @@ void LocalMapper::Fuse(Map& map, KeyframeId id) {
         continue;
       }
       if (!there.valid()) {
-        AddSighting(map, point, target, fusion.keypoint, probabilities_, probability_options_);
-      } else if (map.At(there).sightings.size() >= map.At(point).sightings.size()) {
+        AddObservation(map, point, target, fusion.keypoint, probabilities_, probability_options_);
+      } else if (map.At(there).observations.size() >= map.At(point).observations.size()) {
         FusePoints(map, point, there, probabilities_, probability_options_);
       } else {
         FusePoints(map, there, point, probabilities_, probability_options_);

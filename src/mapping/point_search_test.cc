@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Triangulation and fusion, LocalMapper's part in point_search.cc.
 #include <gtest/gtest.h>
 
@@ -48,7 +49,7 @@ struct Scene {
       if (count == 0) {
         map.AddPoint(points[i], id, i);
       } else {
-        EXPECT_TRUE(map.AddSighting(PointId{i}, id, i));
+        EXPECT_TRUE(map.AddObservation(PointId{i}, id, i));
       }
     }
     map.UpdateCovisibility(id);
@@ -73,8 +74,8 @@ TEST(Triangulate, MakesThePointsThatBothKeyframesShow) {
     EXPECT_EQ(scene.Point(a, i), scene.Point(b, i));
     const MapPoint& point = scene.map.At(scene.Point(b, i));
     EXPECT_THAT(point.position, MatrixNear(scene.points[i], 1e-3));
-    EXPECT_EQ(point.sightings.size(), 2U);
-    EXPECT_EQ(point.reference, a);  // the oldest sighting hosts it
+    EXPECT_EQ(point.observations.size(), 2U);
+    EXPECT_EQ(point.reference, a);  // the oldest observation hosts it
     EXPECT_EQ(point.created_at, b);
   }
   EXPECT_EQ(scene.map.At(b).covisible.at(0).shared_points, static_cast<int>(kAll));
@@ -154,7 +155,7 @@ TEST(Fuse, MergesDuplicatesAndWhatTheyKnow) {
   EXPECT_EQ(scene.map.point_count(), kAll);
   for (std::uint32_t i = kShared; i < kAll; ++i) {
     EXPECT_EQ(scene.Point(scene.a, i), scene.Point(scene.b, i));
-    EXPECT_EQ(scene.map.At(scene.Point(scene.a, i)).sightings.size(), 2U);
+    EXPECT_EQ(scene.map.At(scene.Point(scene.a, i)).observations.size(), 2U);
     EXPECT_NEAR(scene.probabilities.Get(scene.Point(scene.a, i)), 0.06 / (0.06 + 0.56), 1e-6);
   }
   EXPECT_EQ(scene.map.Resolve(first), scene.map.Resolve(second));
@@ -166,14 +167,14 @@ TEST(Fuse, ThePointThatMoreKeyframesSeeStays) {
   const KeyframeId c = scene.Add({Eigen::Quaterniond::Identity(), {-0.2, 0, 0}}, true);
   const PointId seen_once = scene.Own(scene.a, kShared);
   const PointId seen_twice = scene.Own(scene.b, kShared);
-  ASSERT_TRUE(scene.map.AddSighting(seen_twice, c, kShared));
+  ASSERT_TRUE(scene.map.AddObservation(seen_twice, c, kShared));
   scene.Refine(scene.b);
   EXPECT_EQ(scene.map.Find(seen_once), nullptr);
   EXPECT_EQ(scene.map.Resolve(seen_once), seen_twice);
-  EXPECT_EQ(scene.map.At(seen_twice).sightings.size(), 3U);
+  EXPECT_EQ(scene.map.At(seen_twice).observations.size(), 3U);
 }
 
-TEST(Fuse, FreeKeypointsGetThePointsOfNeighbours) {
+TEST(Fuse, FreeKeypointsGetThePointsOfNeighbors) {
   Duplicates scene;
   const PointId theirs = scene.Own(scene.a, kShared);
   const PointId ours = scene.Own(scene.b, kShared + 1);
@@ -182,12 +183,12 @@ TEST(Fuse, FreeKeypointsGetThePointsOfNeighbours) {
   scene.Refine(scene.b);
   EXPECT_EQ(scene.Point(scene.b, kShared), theirs);
   EXPECT_EQ(scene.Point(scene.a, kShared + 1), ours);
-  EXPECT_NEAR(scene.probabilities.Get(theirs), 0.9, 1e-6);  // the new sighting's label counts
+  EXPECT_NEAR(scene.probabilities.Get(theirs), 0.9, 1e-6);  // the new observation's label counts
 }
 
 TEST(Fuse, KeepsApartWhatDiffersInDepthOrAppearance) {
   Scene scene;
-  scene.options.triangulate_neighbours = 0;
+  scene.options.triangulate_neighbors = 0;
   const KeyframeId a = scene.Add(kLeft, true);
   std::vector<Keypoint> keypoints = scene.Keypoints(kRight, true);
   const Eigen::Vector3d before = kRight.Inverse() * (0.8 * (kRight * scene.points[kShared]));  // in the same pixel

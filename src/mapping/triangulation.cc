@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "mapping/triangulation.h"
 
 #include <algorithm>
@@ -32,14 +33,14 @@ Eigen::Vector3d FromDepth(const PinholeCamera& camera, const PointView& view) {
 }
 
 // Midpoint of the shortest segment between the two rays.
-Eigen::Vector3d Midpoint(const Eigen::Vector3d& centre_a, const Eigen::Vector3d& ray_a, const Eigen::Vector3d& centre_b,
+Eigen::Vector3d Midpoint(const Eigen::Vector3d& center_a, const Eigen::Vector3d& ray_a, const Eigen::Vector3d& center_b,
                          const Eigen::Vector3d& ray_b) {
-  const Eigen::Vector3d between = centre_b - centre_a;
+  const Eigen::Vector3d between = center_b - center_a;
   const double cosine = ray_a.dot(ray_b);
   const double sine2 = 1.0 - cosine * cosine;
   const double along_a = (between.dot(ray_a) - cosine * between.dot(ray_b)) / sine2;
   const double along_b = (cosine * between.dot(ray_a) - between.dot(ray_b)) / sine2;
-  return 0.5 * (centre_a + along_a * ray_a + centre_b + along_b * ray_b);
+  return 0.5 * (center_a + along_a * ray_a + center_b + along_b * ray_b);
 }
 
 bool Reprojects(const PinholeCamera& camera, const ScalePyramid& pyramid, const PointView& view,
@@ -64,8 +65,8 @@ bool Reprojects(const PinholeCamera& camera, const ScalePyramid& pyramid, const 
 
 std::optional<Eigen::Vector3d> TriangulatePoint(const PinholeCamera& camera, const ScalePyramid& pyramid,
                                                 const PointView& a, const PointView& b) {
-  const Eigen::Vector3d centre_a = a.camera_from_world.Inverse().translation;
-  const Eigen::Vector3d centre_b = b.camera_from_world.Inverse().translation;
+  const Eigen::Vector3d center_a = a.camera_from_world.Inverse().translation;
+  const Eigen::Vector3d center_b = b.camera_from_world.Inverse().translation;
   const Eigen::Vector3d ray_a = RayOf(camera, a);
   const Eigen::Vector3d ray_b = RayOf(camera, b);
   const double cosine = ray_a.dot(ray_b);
@@ -73,7 +74,7 @@ std::optional<Eigen::Vector3d> TriangulatePoint(const PinholeCamera& camera, con
   const double stereo_b = StereoCosine(camera, *b.keypoint);
   Eigen::Vector3d point;
   if (cosine > 0 && cosine < std::min({stereo_a, stereo_b, kMaxParallaxCosine})) {
-    point = Midpoint(centre_a, ray_a, centre_b, ray_b);
+    point = Midpoint(center_a, ray_a, center_b, ray_b);
   } else if (stereo_a < 1.0 && stereo_a <= stereo_b) {
     point = FromDepth(camera, a);
   } else if (stereo_b < 1.0) {
@@ -84,7 +85,7 @@ std::optional<Eigen::Vector3d> TriangulatePoint(const PinholeCamera& camera, con
   if (!point.allFinite() || !Reprojects(camera, pyramid, a, point) || !Reprojects(camera, pyramid, b, point)) {
     return std::nullopt;
   }
-  const double distance_ratio = (point - centre_b).norm() / (point - centre_a).norm();
+  const double distance_ratio = (point - center_b).norm() / (point - center_a).norm();
   const double octave_ratio =
       static_cast<double>(pyramid.scale[b.keypoint->octave] / pyramid.scale[a.keypoint->octave]);
   const double factor = 1.5 * pyramid.factor;

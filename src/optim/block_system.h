@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Symmetric linear systems of 6x6 blocks, as they remain of a bundle adjustment when the points are eliminated.
 #pragma once
 
@@ -9,7 +10,7 @@
 namespace rds {
 
 // A symmetric positive definite matrix of n x n blocks, of which the lower ones are stored if declared. Small systems
-// are factorised as dense matrices, large ones as sparse matrices with a minimum degree ordering. Not thread-safe.
+// are factorized as dense matrices, large ones as sparse matrices with a minimum degree ordering. Not thread-safe.
 class BlockSystem {
  public:
   using Block = Eigen::Matrix<double, 6, 6>;

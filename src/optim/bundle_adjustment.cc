@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "optim/bundle_adjustment.h"
 
 #include <algorithm>
@@ -65,7 +66,7 @@ Stage Minimize(BundleEquations* equations, bool robust, int iterations, const st
         damping = std::max(0.1 * damping, kMinDamping);
         continue;
       }
-      equations->TakeBack();
+      equations->Revert();
     }
     damping = std::max(10 * damping, 1e-3);
   }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Bundle adjustment: poses and points refined together. Problem in, result out, no map inside.
 #pragma once
 
@@ -12,7 +13,7 @@
 
 namespace rds {
 
-// A self-contained copy of the part of a map to be optimised. Points and poses without observations are left alone, so
+// A self-contained copy of the part of a map to be optimized. Points and poses without observations are left alone, so
 // are observations of weight 0. If no pose is fixed, the first one is held nevertheless: without one the solution could
 // drift anywhere.
 struct BundleProblem {
@@ -43,7 +44,7 @@ struct BundleResult {
   std::vector<Rigid3> poses;            // camera_from_world, as in the problem; fixed ones unchanged
   std::vector<Eigen::Vector3d> points;  // in the world frame
   std::vector<std::uint8_t> outlier;    // one for each observation: chi2 above the 95 % quantile or behind the camera
-  bool usable = false;                  // false: nothing to optimise, the solver failed or was stopped before one step
+  bool usable = false;                  // false: nothing to optimize, the solver failed or was stopped before one step
   int iterations = 0;                   // of both stages
   double initial_cost = 0;              // half the sum of squares, with the Huber kernel on everything
   double final_cost = 0;                // of the last stage, without the outliers then known

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "optim/bundle_adjustment.h"
 
 #include <gtest/gtest.h>
@@ -153,7 +154,7 @@ TEST(AdjustBundle, RefinesPointsAloneIfAllPosesAreFixed) {
 
 TEST(AdjustBundle, KeepsFixedPosesToTheByte) {
   Scene scene = MakeScene(6, 3, 80, 0.02, 0.03);
-  scene.problem.poses[1].camera_from_world.rotation.coeffs() *= 1 + 1e-13;  // not quite normalised
+  scene.problem.poses[1].camera_from_world.rotation.coeffs() *= 1 + 1e-13;  // not quite normalized
   const BundleResult result = AdjustBundle(scene.problem);
   for (std::size_t i = 0; i < 3; ++i) {
     ExpectSameBytes(result.poses[i], scene.problem.poses[i].camera_from_world);

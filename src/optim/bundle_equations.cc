@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "optim/bundle_equations.h"
 
 #include <Eigen/Cholesky>
@@ -271,7 +272,7 @@ void BundleEquations::TakeStep() {
   }
 }
 
-void BundleEquations::TakeBack() {
+void BundleEquations::Revert() {
   cameras_ = cameras_before_;
   points_ = points_before_;
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The normal equations of bundle adjustment.
 #pragma once
 
@@ -12,7 +13,7 @@
 
 namespace rds {
 
-// State of a bundle adjustment and its linearisation. Points are eliminated: each touches few poses, so what remains is
+// State of a bundle adjustment and its linearization. Points are eliminated: each touches few poses, so what remains is
 // a small system over the poses (Schur complement; Triggs et al., "Bundle adjustment: a modern synthesis", 1999,
 // section 6.1). Observations of weight 0, behind the camera or not finite never take part. Not thread-safe; keeps
 // references to what the constructor is given.
@@ -32,7 +33,7 @@ class BundleEquations {
   double FindStep(double damping);
   void TakeStep();
   // Returns to where the last TakeStep started.
-  void TakeBack();
+  void Revert();
   // Takes observations with a chi2 above the 95 % quantile out, for good.
   void DropOutliers();
   // chi2 of any observation of the problem, as ReprojectionChi2.

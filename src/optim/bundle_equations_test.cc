@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "optim/bundle_equations.h"
 
 #include <gtest/gtest.h>
@@ -179,7 +180,7 @@ TEST(BundleEquations, TakeBackReturnsToTheByte) {
   ASSERT_GT(equations.FindStep(1e-3), 0);
   equations.TakeStep();
   EXPECT_NE(equations.points(), problem.points);
-  equations.TakeBack();
+  equations.Revert();
   EXPECT_EQ(equations.points(), problem.points);
   for (std::size_t i = 0; i < kPoses; ++i) {
     EXPECT_EQ(equations.Poses()[i].translation, problem.poses[i].camera_from_world.translation);

@@ -1,4 +1,5 @@
-// Observations of map points in keypoints, as the optimisers take them.
+// SPDX-License-Identifier: Apache-2.0
+// Observations of map points in keypoints, as the optimizers take them.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "optim/pose_optimizer.h"
 
 #include <Eigen/Cholesky>
@@ -14,9 +15,9 @@ namespace {
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-constexpr double kMaxInput = 1e9;  // metres or pixels; anything larger (or NaN) is never used
+constexpr double kMaxInput = 1e9;  // meters or pixels; anything larger (or NaN) is never used
 
-constexpr double kTinyStep = 1e-7;          // metres and radians: the last round has converged
+constexpr double kTinyStep = 1e-7;          // meters and radians: the last round has converged
 constexpr double kSmallStep = 1e-5;         // ... and good enough for another classification
 constexpr double kTinyPoseDecrease = 1e-9;  // of the cost, relative
 constexpr double kSingularPivot = 1e-11;    // of the normal matrix scaled to a unit diagonal
@@ -260,7 +261,7 @@ NormalEquations Problem::Evaluate(const Rigid3& camera_from_world, bool robust) 
   return result;
 }
 
-// Normal matrix scaled to a unit diagonal, so that metres and radians, near and far scenes, look alike.
+// Normal matrix scaled to a unit diagonal, so that meters and radians, near and far scenes, look alike.
 Matrix6 ScaledToUnitDiagonal(const Matrix6& hessian, Vector6* scale) {
   *scale = (hessian.diagonal().array() > 0).select(hessian.diagonal().array().sqrt().inverse(), 1.0);
   return scale->asDiagonal() * hessian * scale->asDiagonal();
@@ -320,7 +321,7 @@ bool PoseResidual(const PinholeCamera& camera, const Rigid3& camera_from_world, 
 PoseResult OptimizePose(const PinholeCamera& camera, const Rigid3& initial_camera_from_world,
                         std::span<const PoseObservation> observations, const PoseOptimizerOptions& options,
                         const PosePrior* prior) {
-  Check(options.rounds > 0 && options.iterations_per_round > 0, "pose optimiser: rounds and iterations must be > 0");
+  Check(options.rounds > 0 && options.iterations_per_round > 0, "pose optimizer: rounds and iterations must be > 0");
   Problem problem(camera, observations, prior);
   PoseResult result;
   result.camera_from_world = initial_camera_from_world;

@@ -1,4 +1,5 @@
-// Optimises one camera pose over fixed points.
+// SPDX-License-Identifier: Apache-2.0
+// Optimizes one camera pose over fixed points.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "optim/pose_prior.h"
 
 #include <Eigen/LU>
@@ -19,7 +20,7 @@ Eigen::Matrix<double, 6, 1> PriorResidual(const PosePrior& prior, const Rigid3& 
   return residual;
 }
 
-double SearchReach(const PosePrior& prior, double focal_px) {
+double SearchRadius(const PosePrior& prior, double focal_px) {
   const Eigen::Matrix<double, 6, 1> variances = prior.information.inverse().diagonal();
   return 2 * focal_px * std::sqrt(variances.head<3>().maxCoeff() + variances.tail<3>().maxCoeff());
 }

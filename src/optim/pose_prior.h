@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What is known of a pose before anything is matched.
 #pragma once
 
@@ -8,7 +9,7 @@
 namespace rds {
 
 // A Gaussian over poses: with d = pose * mean^-1, the camera's motion that the mean does not explain, PriorResidual =
-// (d.translation in metres, log d.rotation in radians) has zero mean and this information (inverse covariance).
+// (d.translation in meters, log d.rotation in radians) has zero mean and this information (inverse covariance).
 struct PosePrior {
   Rigid3 camera_from_world;  // the mean
   Eigen::Matrix<double, 6, 6> information = Eigen::Matrix<double, 6, 6>::Zero();
@@ -20,6 +21,6 @@ struct PosePrior {
 
 // How far from where the mean shows it a point 1 m away is to be searched, in pixels: two standard deviations, by the
 // most uncertain directions of turn and translation. Not finite where the information is singular.
-[[nodiscard]] double SearchReach(const PosePrior& prior, double focal_px);
+[[nodiscard]] double SearchRadius(const PosePrior& prior, double focal_px);
 
 }  // namespace rds

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "optim/pose_prior.h"
 
 #include <gtest/gtest.h>
@@ -34,12 +35,12 @@ TEST(PosePrior, TheJacobianMatchesDifferences) {
   }
 }
 
-TEST(PosePrior, TheSearchReachesAsFarAsTurnAndTranslationAreUncertain) {
+TEST(PosePrior, TheSearchRadiusesAsFarAsTurnAndTranslationAreUncertain) {
   PosePrior prior;
   prior.information.diagonal() << 1e4, 1e6, 1e6, 1e6, 1e6, 1e4;  // 1 cm at most, .01 rad at most
-  EXPECT_NEAR(SearchReach(prior, 500), 2 * 500 * std::sqrt(2e-4), 1e-9);
+  EXPECT_NEAR(SearchRadius(prior, 500), 2 * 500 * std::sqrt(2e-4), 1e-9);
   prior.information.setZero();
-  EXPECT_FALSE(std::isfinite(SearchReach(prior, 500)));
+  EXPECT_FALSE(std::isfinite(SearchRadius(prior, 500)));
 }
 
 }  // namespace

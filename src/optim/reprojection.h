@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Reprojection error of a point in the camera frame, and its derivative.
 #pragma once
 
@@ -9,7 +10,7 @@
 
 namespace rds {
 
-// Points nearer than this (metres) count as behind the camera.
+// Points nearer than this (meters) count as behind the camera.
 inline constexpr double kMinReprojectionDepth_m = 1e-6;
 
 // Measured minus projected (x, y, right_x), px; the third row is zero without depth. The point has z > 0.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "propagation/free_space.h"
 
 #include <algorithm>
@@ -6,14 +7,14 @@
 #include <utility>
 
 #include "base/error.h"
-#include "semantic/evidence.h"
 #include "propagation/grid_warp.h"
+#include "semantic/evidence.h"
 
 namespace rds {
 namespace {
 
-constexpr double kMostShare = 0.4;   // of the view that can have moved in
-constexpr int kLeastNeighbours = 4;  // of a sample that moved in, itself among them, in a block of 3 x 3
+constexpr double kMostShare = 0.4;  // of the view that can have moved in
+constexpr int kLeastNeighbors = 4;  // of a sample that moved in, itself among them, in a block of 3 x 3
 
 std::size_t IndexOf(const DepthGrid& grid, int column, int row) {
   return static_cast<std::size_t>(row * grid.columns + column);
@@ -43,13 +44,13 @@ int RemoveSingles(const DepthGrid& grid, std::vector<KeypointLabel>& judged) {
       if (before[IndexOf(grid, column, row)] != KeypointLabel::kDynamic) {
         continue;
       }
-      int neighbours = 0;
+      int neighbors = 0;
       for (int y = std::max(row - 1, 0); y <= std::min(row + 1, grid.rows - 1); ++y) {
         for (int x = std::max(column - 1, 0); x <= std::min(column + 1, grid.columns - 1); ++x) {
-          neighbours += before[IndexOf(grid, x, y)] == KeypointLabel::kDynamic ? 1 : 0;
+          neighbors += before[IndexOf(grid, x, y)] == KeypointLabel::kDynamic ? 1 : 0;
         }
       }
-      if (neighbours >= kLeastNeighbours) {
+      if (neighbors >= kLeastNeighbors) {
         ++left;
       } else {
         judged[IndexOf(grid, column, row)] = KeypointLabel::kNone;
@@ -60,13 +61,13 @@ int RemoveSingles(const DepthGrid& grid, std::vector<KeypointLabel>& judged) {
 }
 
 // One view's word on the samples of a frame; marks those that it saw at all.
-void JudgeByView(const FrameData& frame, const Rigid3& view_from_now, const SeenView& view,
+void JudgeByView(const FrameData& frame, const Rigid3& view_from_now, const DepthView& view,
                  const FreeSpaceOptions& options, std::vector<KeypointLabel>& judged, std::vector<std::uint8_t>& seen) {
   const DepthGrid& grid = frame.depth_grid();
   const DepthGrid& then = view.data->depth_grid();
   const GridWarp warp(frame.camera(), view_from_now);
-  const auto farther = static_cast<float>(1 + options.margin_depth);
-  const auto same = static_cast<float>(options.match_depth);
+  const auto farther = static_cast<float>(1 + options.margin_ratio);
+  const auto same = static_cast<float>(options.match_ratio);
   const auto last_column = static_cast<float>(then.columns - 1);
   const auto last_row = static_cast<float>(then.rows - 1);
   for (int row = 0; row < grid.rows; ++row) {
@@ -111,18 +112,18 @@ std::vector<KeypointLabel> LabelGrid(const FrameData& data, const Image8& mask) 
   return labels;
 }
 
-SeenView MakeView(FrameId frame, std::shared_ptr<const FrameData> data, const Rigid3& camera_from_world,
-                  std::vector<KeypointLabel> labels) {
+DepthView MakeView(FrameId frame, std::shared_ptr<const FrameData> data, const Rigid3& camera_from_world,
+                   std::vector<KeypointLabel> labels) {
   std::vector<float> least_depth_m = LeastDepths(data->depth_grid());
   return {frame, std::move(data), camera_from_world, std::move(labels), std::move(least_depth_m)};
 }
 
-std::vector<KeypointLabel> JudgeBySpace(const FrameData& frame, const Rigid3& camera_from_world,
-                                        std::span<const SeenView> views, const FreeSpaceOptions& options) {
+std::vector<KeypointLabel> CheckFreeSpace(const FrameData& frame, const Rigid3& camera_from_world,
+                                          std::span<const DepthView> views, const FreeSpaceOptions& options) {
   const DepthGrid& grid = frame.depth_grid();
   std::vector<KeypointLabel> judged(grid.depth_m.size(), KeypointLabel::kNone);
   std::vector<std::uint8_t> seen(grid.depth_m.size(), 0);
-  for (const SeenView& view : views) {
+  for (const DepthView& view : views) {
     JudgeByView(frame, view.camera_from_world * camera_from_world.Inverse(), view, options, judged, seen);
   }
   const auto moved = static_cast<double>(RemoveSingles(grid, judged));
@@ -132,7 +133,7 @@ std::vector<KeypointLabel> JudgeBySpace(const FrameData& frame, const Rigid3& ca
   return judged;
 }
 
-std::vector<SeenView> EarlierViews(const Map& map, KeyframeId id) {
+std::vector<DepthView> EarlierViews(const Map& map, KeyframeId id) {
   const Keyframe& keyframe = map.At(id);
   std::vector<const Keyframe*> candidates;
   for (auto other = map.keyframes().rbegin(); other != map.keyframes().rend(); ++other) {
@@ -145,7 +146,7 @@ std::vector<SeenView> EarlierViews(const Map& map, KeyframeId id) {
     }
     candidates.push_back(&earlier);
   }
-  std::vector<SeenView> views;
+  std::vector<DepthView> views;
   const auto count = std::min(candidates.size(), kFreeSpaceViews);
   for (std::size_t i = 1; i <= count; ++i) {
     const Keyframe& chosen = *candidates[i * candidates.size() / count - 1];
@@ -154,7 +155,8 @@ std::vector<SeenView> EarlierViews(const Map& map, KeyframeId id) {
   return views;
 }
 
-void LabelMovedIn(const FrameData& data, std::span<const KeypointLabel> judged, std::vector<KeypointLabel>& labels) {
+void MarkNewlyOccupied(const FrameData& data, std::span<const KeypointLabel> judged,
+                       std::vector<KeypointLabel>& labels) {
   const DepthGrid& grid = data.depth_grid();
   for (std::size_t k = 0; k < labels.size(); ++k) {
     const int column = static_cast<int>(data.keypoints()[k].raw_x) / kDepthGridStep;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a depth image says of motion: places that were empty before, and static surfaces seen again.
 #pragma once
 
@@ -12,26 +13,26 @@ namespace rds {
 
 struct FreeSpaceOptions {
   bool enabled = true;
-  double margin_depth = 0.1;  // an earlier view must have looked that much farther, as a share of the depth
-  double match_depth = 0.02;  // a surface is the same one up to this share of its depth
+  double margin_ratio = 0.1;  // an earlier view must have looked that much farther, as a share of the depth
+  double match_ratio = 0.02;  // a surface is the same one up to this share of its depth
 };
 
 inline constexpr std::size_t kFreeSpaceViews = 3;      // earlier views that are asked
 inline constexpr std::uint32_t kFreeSpaceFrames = 60;  // how much earlier they may be
 
 // A frame whose pose is known, and what its mask says of each sample of its depth grid (empty: nothing).
-struct SeenView {
+struct DepthView {
   FrameId frame;
   std::shared_ptr<const FrameData> data;
   Rigid3 camera_from_world;
   std::vector<KeypointLabel> labels;
-  // Least depth of each sample and its neighbours, 0 at the border and where one of them is unknown: at an edge the
+  // Least depth of each sample and its neighbors, 0 at the border and where one of them is unknown: at an edge the
   // nearer surface counts, so that a slightly wrong pose empties no place.
   std::vector<float> least_depth_m;
 };
 
-[[nodiscard]] SeenView MakeView(FrameId frame, std::shared_ptr<const FrameData> data, const Rigid3& camera_from_world,
-                                std::vector<KeypointLabel> labels);
+[[nodiscard]] DepthView MakeView(FrameId frame, std::shared_ptr<const FrameData> data, const Rigid3& camera_from_world,
+                                 std::vector<KeypointLabel> labels);
 
 // What the mask says of each sample of a frame's depth grid.
 [[nodiscard]] std::vector<KeypointLabel> LabelGrid(const FrameData& data, const Image8& mask);
@@ -43,13 +44,15 @@ struct SeenView {
 // - none elsewhere. The word of the first view that has one counts.
 // Where more of the view moved in than is credible, it is the pose that is wrong, and nothing is called dynamic. Empty
 // without a grid. Re-entrant.
-[[nodiscard]] std::vector<KeypointLabel> JudgeBySpace(const FrameData& frame, const Rigid3& camera_from_world,
-                                                      std::span<const SeenView> views, const FreeSpaceOptions& options);
+[[nodiscard]] std::vector<KeypointLabel> CheckFreeSpace(const FrameData& frame, const Rigid3& camera_from_world,
+                                                        std::span<const DepthView> views,
+                                                        const FreeSpaceOptions& options);
 
-// Earlier keyframes to judge one by, spread over the time allowed; without labels. Needs the door of the map.
-[[nodiscard]] std::vector<SeenView> EarlierViews(const Map& map, KeyframeId keyframe);
+// Earlier keyframes to judge one by, spread over the time allowed; without labels. Needs the lock of the map.
+[[nodiscard]] std::vector<DepthView> EarlierViews(const Map& map, KeyframeId keyframe);
 
 // Makes the labels of keypoints dynamic where the sample is.
-void LabelMovedIn(const FrameData& data, std::span<const KeypointLabel> judged, std::vector<KeypointLabel>& labels);
+void MarkNewlyOccupied(const FrameData& data, std::span<const KeypointLabel> judged,
+                       std::vector<KeypointLabel>& labels);
 
 }  // namespace rds

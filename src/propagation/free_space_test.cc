@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "propagation/free_space.h"
 
 #include <gtest/gtest.h>
@@ -20,66 +21,66 @@ std::ptrdiff_t Count(const std::vector<KeypointLabel>& judged, KeypointLabel lab
 }
 
 // A view of the wall and the board from the origin.
-SeenView View(const Board& board, std::vector<KeypointLabel> labels = {}) {
+DepthView View(const Board& board, std::vector<KeypointLabel> labels = {}) {
   return MakeView(FrameId{0}, SeeBoard(board), {}, std::move(labels));
 }
 
-TEST(JudgeBySpace, FindsWhatStandsWhereAnEarlierViewSawTheWall) {
-  const std::vector<SeenView> views{View({30, 40})};
-  const auto judged = JudgeBySpace(*SeeBoard({35, 45}), {}, views, {});
+TEST(CheckFreeSpace, FindsWhatStandsWhereAnEarlierViewSawTheWall) {
+  const std::vector<DepthView> views{View({30, 40})};
+  const auto judged = CheckFreeSpace(*SeeBoard({35, 45}), {}, views, {});
   EXPECT_EQ(At(judged, 43, 30), KeypointLabel::kDynamic);  // new there
   EXPECT_EQ(At(judged, 37, 30), KeypointLabel::kNone);     // was there before, too
   EXPECT_EQ(At(judged, 32, 30), KeypointLabel::kNone);     // the wall has come to light: nothing moved in
   EXPECT_EQ(At(judged, 60, 30), KeypointLabel::kNone);
 }
 
-TEST(JudgeBySpace, ABoardThatKeepsStillHasNotMovedWhereverItIsSeenFrom) {
+TEST(CheckFreeSpace, ABoardThatKeepsStillHasNotMovedWhereverItIsSeenFrom) {
   Rigid3 camera_from_world;
   camera_from_world.translation = {-0.24, 0, 0};  // to the right: the board shifts by ten samples, the wall by five
-  const std::vector<SeenView> views{View({30, 40})};
-  EXPECT_EQ(Count(JudgeBySpace(*SeeBoard({20, 30}), camera_from_world, views, {}), KeypointLabel::kDynamic), 0);
+  const std::vector<DepthView> views{View({30, 40})};
+  EXPECT_EQ(Count(CheckFreeSpace(*SeeBoard({20, 30}), camera_from_world, views, {}), KeypointLabel::kDynamic), 0);
   // The same picture by a wrong pose: the board has jumped.
-  EXPECT_GT(Count(JudgeBySpace(*SeeBoard({20, 30}), {}, views, {}), KeypointLabel::kDynamic), 0);
+  EXPECT_GT(Count(CheckFreeSpace(*SeeBoard({20, 30}), {}, views, {}), KeypointLabel::kDynamic), 0);
 }
 
-TEST(JudgeBySpace, AStaticSurfaceSeenAgainIsStaticAndNothingElseIs) {
+TEST(CheckFreeSpace, AStaticSurfaceSeenAgainIsStaticAndNothingElseIs) {
   std::vector<KeypointLabel> labels(static_cast<std::size_t>(kBoardColumns * kBoardRows), KeypointLabel::kStatic);
   for (int row = 0; row < kBoardRows; ++row) {
     for (int column = 30; column < kBoardColumns; ++column) {  // the board, and the wall to the right of it
       labels[SampleAt(column, row)] = KeypointLabel::kDynamic;
     }
   }
-  const std::vector<SeenView> views{View({30, 40}, labels)};
-  const auto judged = JudgeBySpace(*SeeBoard({20, 30}), {}, views, {});
+  const std::vector<DepthView> views{View({30, 40}, labels)};
+  const auto judged = CheckFreeSpace(*SeeBoard({20, 30}), {}, views, {});
   EXPECT_EQ(At(judged, 10, 30), KeypointLabel::kStatic);
   EXPECT_EQ(At(judged, 25, 30), KeypointLabel::kDynamic);  // the board stands where the wall was seen
   EXPECT_EQ(At(judged, 60, 30), KeypointLabel::kNone);     // no word of a label that may be old
 }
 
-TEST(JudgeBySpace, WhatStandsJustBeforeAStaticSurfaceIsNotIt) {
+TEST(CheckFreeSpace, WhatStandsJustBeforeAStaticSurfaceIsNotIt) {
   const std::vector<KeypointLabel> labels(static_cast<std::size_t>(kBoardColumns * kBoardRows), KeypointLabel::kStatic);
-  const std::vector<SeenView> views{View({}, labels)};
+  const std::vector<DepthView> views{View({}, labels)};
   for (const double share : {0.01, 0.03}) {
     Rigid3 camera_from_world;  // a step back, and yet the picture is the same: it has come along
     camera_from_world.translation = {0, 0, share * static_cast<double>(kWallDepth)};
-    EXPECT_EQ(At(JudgeBySpace(*SeeBoard({}), camera_from_world, views, {}), 40, 30),
+    EXPECT_EQ(At(CheckFreeSpace(*SeeBoard({}), camera_from_world, views, {}), 40, 30),
               share < 0.02 ? KeypointLabel::kStatic : KeypointLabel::kNone);
   }
 }
 
-TEST(JudgeBySpace, TellsNothingWithoutViewsOrAGrid) {
+TEST(CheckFreeSpace, TellsNothingWithoutViewsOrAGrid) {
   const auto bare = std::make_shared<const FrameData>(TestCamera(), std::vector<Keypoint>{}, std::vector<Descriptor>{});
-  EXPECT_EQ(Count(JudgeBySpace(*SeeBoard({30, 40}), {}, {}, {}), KeypointLabel::kNone), kBoardColumns * kBoardRows);
-  const std::vector<SeenView> views{View({30, 40})};
-  EXPECT_TRUE(JudgeBySpace(*bare, {}, views, {}).empty());
-  const std::vector<SeenView> bare_views{MakeView(FrameId{0}, bare, {}, {})};
-  EXPECT_EQ(Count(JudgeBySpace(*SeeBoard({35, 45}), {}, bare_views, {}), KeypointLabel::kNone),
+  EXPECT_EQ(Count(CheckFreeSpace(*SeeBoard({30, 40}), {}, {}, {}), KeypointLabel::kNone), kBoardColumns * kBoardRows);
+  const std::vector<DepthView> views{View({30, 40})};
+  EXPECT_TRUE(CheckFreeSpace(*bare, {}, views, {}).empty());
+  const std::vector<DepthView> bare_views{MakeView(FrameId{0}, bare, {}, {})};
+  EXPECT_EQ(Count(CheckFreeSpace(*SeeBoard({35, 45}), {}, bare_views, {}), KeypointLabel::kNone),
             kBoardColumns * kBoardRows);
 }
 
-TEST(JudgeBySpace, BlamesThePoseIfNearlyAllMovedIn) {
-  const std::vector<SeenView> views{View({})};
-  EXPECT_EQ(Count(JudgeBySpace(*SeeBoard({5, 75}), {}, views, {}), KeypointLabel::kDynamic), 0);
+TEST(CheckFreeSpace, BlamesThePoseIfNearlyAllMovedIn) {
+  const std::vector<DepthView> views{View({})};
+  EXPECT_EQ(Count(CheckFreeSpace(*SeeBoard({5, 75}), {}, views, {}), KeypointLabel::kDynamic), 0);
 }
 
 TEST(LabelGrid, TakesTheMiddleOfEachSample) {
@@ -101,7 +102,7 @@ TEST(EarlierViews, AreSpreadOverTheTimeAllowedTheOldestAmongThem) {
   }
   const auto frames = [&](KeyframeId of) {
     std::vector<std::uint32_t> result;
-    for (const SeenView& view : EarlierViews(map, of)) {
+    for (const DepthView& view : EarlierViews(map, of)) {
       result.push_back(view.frame.value);
     }
     return result;
@@ -112,16 +113,16 @@ TEST(EarlierViews, AreSpreadOverTheTimeAllowedTheOldestAmongThem) {
   EXPECT_TRUE(frames(KeyframeId{0}).empty());
 }
 
-TEST(LabelMovedIn, MakesKeypointsThereDynamicAndLeavesTheOthers) {
+TEST(MarkNewlyOccupied, MakesKeypointsThereDynamicAndLeavesTheOthers) {
   std::vector<Keypoint> keypoints(2);
   keypoints[0].raw_x = 43 * kDepthGridStep + 3;
   keypoints[0].raw_y = 30 * kDepthGridStep + 3;
   keypoints[1].raw_x = 60 * kDepthGridStep + 3;
   keypoints[1].raw_y = 30 * kDepthGridStep + 3;
   const auto now = SeeBoard({35, 45}, keypoints);
-  const std::vector<SeenView> views{View({30, 40})};
+  const std::vector<DepthView> views{View({30, 40})};
   std::vector<KeypointLabel> labels{KeypointLabel::kStatic, KeypointLabel::kStatic};
-  LabelMovedIn(*now, JudgeBySpace(*now, {}, views, {}), labels);
+  MarkNewlyOccupied(*now, CheckFreeSpace(*now, {}, views, {}), labels);
   EXPECT_EQ(labels, (std::vector{KeypointLabel::kDynamic, KeypointLabel::kStatic}));
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Where what one view sees lies in another view of the same camera, in samples of the depth grid.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "propagation/grid_warp.h"
 
 #include <gtest/gtest.h>
@@ -27,7 +28,7 @@ TEST(GridWarp, TakesAPlaceToWhereTheOtherViewSeesIt) {
 
 TEST(GridWarp, TellsWhatIsBehindTheOtherCamera) {
   Rigid3 to_from_from;
-  to_from_from.translation = {0, 0, -2};  // two metres ahead
+  to_from_from.translation = {0, 0, -2};  // two meters ahead
   const GridWarp warp(TestCamera(), to_from_from);
   EXPECT_GT(warp({40, 30, 3}).depth_m, 0);
   EXPECT_LT(warp({40, 30, 1}).depth_m, 0);

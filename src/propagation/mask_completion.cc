@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "propagation/mask_completion.h"
 
 #include <algorithm>
@@ -20,7 +21,7 @@ void FillBlock(int column, int row, Image8& mask) {
 
 }  // namespace
 
-void CompleteMask(const DepthGrid& grid, double step_depth, Image8& mask) {
+void CompleteMask(const DepthGrid& grid, double depth_step_ratio, Image8& mask) {
   Check(grid.columns * kDepthGridStep <= mask.width && grid.rows * kDepthGridStep <= mask.height && mask.channels == 1,
         "the grid and the mask are of one image");
   const auto index = [&](int column, int row) { return static_cast<std::size_t>(row * grid.columns + column); };
@@ -39,7 +40,7 @@ void CompleteMask(const DepthGrid& grid, double step_depth, Image8& mask) {
       }
     }
   }
-  const auto share = static_cast<float>(step_depth);
+  const auto share = static_cast<float>(depth_step_ratio);
   while (!reached.empty()) {
     const Cell cell = reached.back();
     reached.pop_back();

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "propagation/surface_labels.h"
 
 #include <algorithm>
@@ -27,7 +28,7 @@ void SurfaceLabels::Start(const DepthGrid& grid) {
 
 void SurfaceLabels::Offer(Cell cell, int distance_px, bool dynamic) {
   SurfaceLabel& label = cells_[cell];
-  if (distance_px < label.distance_px && distance_px < options_.Reach(dynamic)) {
+  if (distance_px < label.distance_px && distance_px < options_.MaxDistance(dynamic)) {
     label = {static_cast<std::uint16_t>(distance_px), dynamic};
     queue_[static_cast<std::size_t>(distance_px)].push_back(cell);
   }
@@ -51,7 +52,7 @@ void SurfaceLabels::Add(std::span<const KeypointLabel> samples, int farther_px) 
 
 // Dijkstra with a bucket for each distance.
 void SurfaceLabels::Spread() {
-  const auto share = static_cast<float>(options_.step_depth);
+  const auto share = static_cast<float>(options_.depth_step_ratio);
   for (int distance_px = 0; distance_px < SurfaceLabel::kNone; ++distance_px) {
     std::vector<Cell>& bucket = queue_[static_cast<std::size_t>(distance_px)];
     for (const Cell cell : bucket) {  // what is offered goes into later buckets
@@ -62,10 +63,10 @@ void SurfaceLabels::Spread() {
       const float depth_m = depth_m_[cell];
       const float tolerance_m = depth_m * share;
       const auto step = [&](int offset, int length_px) {
-        const auto neighbour = static_cast<Cell>(static_cast<int>(cell) + offset);
-        if (cells_[neighbour].distance_px > distance_px + length_px &&
-            std::abs(depth_m_[neighbour] - depth_m) < tolerance_m) {
-          Offer(neighbour, distance_px + length_px, label.dynamic);
+        const auto neighbor = static_cast<Cell>(static_cast<int>(cell) + offset);
+        if (cells_[neighbor].distance_px > distance_px + length_px &&
+            std::abs(depth_m_[neighbor] - depth_m) < tolerance_m) {
+          Offer(neighbor, distance_px + length_px, label.dynamic);
         }
       };
       step(-1, kStraightPx);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Labels that spread over the surfaces of one depth image.
 #pragma once
 
@@ -12,11 +13,13 @@
 namespace rds {
 
 struct SurfaceLabelOptions {
-  int dynamic_reach_px = 255;  // how far a label of what moves spreads over a surface, below SurfaceLabel::kNone
-  int static_reach_px = 100;   // and one of what does not
-  double step_depth = 0.03;    // neighbouring samples on a surface differ in depth by at most this share
+  int max_dynamic_distance_px = 255;  // how far a label of what moves spreads over a surface, below SurfaceLabel::kNone
+  int max_static_distance_px = 100;   // and one of what does not
+  double depth_step_ratio = 0.03;     // neighboring samples on a surface differ in depth by at most this share
 
-  [[nodiscard]] int Reach(bool dynamic) const { return dynamic ? dynamic_reach_px : static_reach_px; }
+  [[nodiscard]] int MaxDistance(bool dynamic) const {
+    return dynamic ? max_dynamic_distance_px : max_static_distance_px;
+  }
 };
 
 // What a sample of a depth grid is said to be, and how far the place is whose label says so.
@@ -34,7 +37,7 @@ inline SurfaceLabel ToSurfaceLabel(KeypointLabel label) {
   return label == KeypointLabel::kNone ? SurfaceLabel{} : SurfaceLabel{0, label == KeypointLabel::kDynamic};
 }
 
-// Gives each sample of a frame's depth grid the label that is nearest along the surface: a path over neighbouring
+// Gives each sample of a frame's depth grid the label that is nearest along the surface: a path over neighboring
 // samples without a jump in depth. Labels of people stop at their outlines, those of a wall reach all of it. Keeps its
 // buffers between calls; not thread-safe.
 class SurfaceLabels {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "propagation/surface_labels.h"
 
 #include <gtest/gtest.h>
@@ -20,10 +21,10 @@ void FillColumn(DepthGrid& grid, int column, float depth_m) {
   }
 }
 
-SurfaceLabelOptions Reach(int reach_px) {
+SurfaceLabelOptions MaxDistance(int reach_px) {
   SurfaceLabelOptions options;
-  options.dynamic_reach_px = reach_px;
-  options.static_reach_px = reach_px;
+  options.max_dynamic_distance_px = reach_px;
+  options.max_static_distance_px = reach_px;
   return options;
 }
 
@@ -42,7 +43,7 @@ SurfaceLabel At(const SurfaceLabels& labels, int column, int row, int columns = 
 bool IsKnown(const SurfaceLabels& labels, int column, int row) { return At(labels, column, row).IsKnown(); }
 
 TEST(SurfaceLabelsTest, ALabelReachesItsSurfaceWithItsDistance) {
-  SurfaceLabels labels(Reach(200));
+  SurfaceLabels labels(MaxDistance(200));
   labels.Start(Plane(2));
   Add(labels, 3, 5, true, 10);
   labels.Spread();
@@ -56,7 +57,7 @@ TEST(SurfaceLabelsTest, ALabelReachesItsSurfaceWithItsDistance) {
 TEST(SurfaceLabelsTest, StopsAtItsReachAtAJumpInDepthAndWhereThereIsNoDepth) {
   DepthGrid grid = Plane(2);
   FillColumn(grid, 10, 0);
-  SurfaceLabels labels(Reach(41));
+  SurfaceLabels labels(MaxDistance(41));
   labels.Start(grid);
   Add(labels, 2, 5, true);
   Add(labels, 9, 5, false);
@@ -78,7 +79,7 @@ TEST(SurfaceLabelsTest, ASlantedSurfaceIsOneSurface) {
   for (int column = 0; column < kColumns; ++column) {
     FillColumn(grid, column, 2.0F + 0.04F * static_cast<float>(column));
   }
-  SurfaceLabels labels(Reach(200));
+  SurfaceLabels labels(MaxDistance(200));
   labels.Start(grid);
   Add(labels, 0, 5, false);
   labels.Spread();
@@ -88,7 +89,7 @@ TEST(SurfaceLabelsTest, ASlantedSurfaceIsOneSurface) {
 
 TEST(SurfaceLabelsTest, TheNearestLabelWinsWhateverTheOrder) {
   for (const bool swapped : {false, true}) {
-    SurfaceLabels labels(Reach(200));
+    SurfaceLabels labels(MaxDistance(200));
     labels.Start(Plane(1.5));
     Add(labels, swapped ? 12 : 2, 5, !swapped);
     Add(labels, swapped ? 2 : 12, 5, swapped);
@@ -99,7 +100,7 @@ TEST(SurfaceLabelsTest, TheNearestLabelWinsWhateverTheOrder) {
 }
 
 TEST(SurfaceLabelsTest, OfLabelsOfOneSampleTheNearestCountsAndOfEqualOnesTheFirst) {
-  SurfaceLabels labels(Reach(200));
+  SurfaceLabels labels(MaxDistance(200));
   labels.Start(Plane(1.5));
   Add(labels, 5, 5, true, 20);
   Add(labels, 5, 5, false, 20);
@@ -110,7 +111,7 @@ TEST(SurfaceLabelsTest, OfLabelsOfOneSampleTheNearestCountsAndOfEqualOnesTheFirs
 }
 
 TEST(SurfaceLabelsTest, TakesLabelsOfAMaskAndAddsToTheirDistance) {
-  SurfaceLabels labels(Reach(12));
+  SurfaceLabels labels(MaxDistance(12));
   labels.Start(Plane(1.5));
   std::vector<KeypointLabel> mask(std::size_t{kColumns} * kRows, KeypointLabel::kNone);
   mask[0] = KeypointLabel::kDynamic;
@@ -130,8 +131,8 @@ TEST(SurfaceLabelsTest, TakesLabelsOfAMaskAndAddsToTheirDistance) {
 
 TEST(SurfaceLabelsTest, EachKindOfLabelHasItsOwnReach) {
   SurfaceLabelOptions options;
-  options.dynamic_reach_px = 60;
-  options.static_reach_px = 20;
+  options.max_dynamic_distance_px = 60;
+  options.max_static_distance_px = 20;
   SurfaceLabels labels(options);
   labels.Start(Plane(1.5));
   Add(labels, 2, 2, true);
@@ -144,7 +145,7 @@ TEST(SurfaceLabelsTest, EachKindOfLabelHasItsOwnReach) {
 }
 
 TEST(SurfaceLabelsTest, TakesTheGridOfALargeImage) {
-  SurfaceLabels labels(Reach(50));
+  SurfaceLabels labels(MaxDistance(50));
   labels.Start({480, 270, std::vector<float>(std::size_t{480} * 270, 2.0F)});  // 3840 x 2160
   Add(labels, 470, 260, true, 0, 480, 270);
   labels.Spread();

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A queue between threads that never grows beyond its capacity.
 #pragma once
 

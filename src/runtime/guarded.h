@@ -1,4 +1,5 @@
-// A value behind one door.
+// SPDX-License-Identifier: Apache-2.0
+// A value behind a lock.
 #pragma once
 
 #include <mutex>

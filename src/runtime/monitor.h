@@ -1,4 +1,5 @@
-// A value behind one door, with a bell: threads can wait for it to change.
+// SPDX-License-Identifier: Apache-2.0
+// A value behind a lock, with a condition variable: threads can wait for it to change.
 #pragma once
 
 #include <chrono>
@@ -23,7 +24,7 @@ class Monitor {
 
   template <typename Function>
   auto Write(Function&& function) {
-    const Bell bell{changed_};
+    const Notifier notifier{changed_};
     const std::lock_guard lock(mutex_);
     return std::forward<Function>(function)(value_);
   }
@@ -31,7 +32,7 @@ class Monitor {
   // Waits until `ready(value)` is true, then runs `function` on the value.
   template <typename Predicate, typename Function>
   auto WaitAndWrite(Predicate&& ready, Function&& function) {
-    const Bell bell{changed_};
+    const Notifier notifier{changed_};
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [&] { return ready(std::as_const(value_)); });
     return std::forward<Function>(function)(value_);
@@ -45,9 +46,9 @@ class Monitor {
   }
 
  private:
-  struct Bell {  // rings when the lock, made after it, is released
+  struct Notifier {  // notifies once the lock, taken after it, is released
     std::condition_variable& changed;
-    ~Bell() { changed.notify_all(); }
+    ~Notifier() { changed.notify_all(); }
   };
 
   mutable std::mutex mutex_;

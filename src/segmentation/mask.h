@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Masks: from the scores of a network to an image of labels, dilation, and the check that a mask can be used.
 #pragma once
 
@@ -15,8 +16,8 @@ inline constexpr std::uint8_t kStaticPixel = 0;
 inline constexpr std::uint8_t kUnsurePixel = 128;  // the network neither sees a person nor excludes one
 inline constexpr std::uint8_t kDynamicPixel = 255;
 
-// Where the cells of a network's output lie on its input: the centre of cell (i, j) is at pixel
-// (i * stride_x + offset_x, j * stride_y + offset_y) of the input, pixel centres at whole numbers.
+// Where the cells of a network's output lie on its input: the center of cell (i, j) is at pixel
+// (i * stride_x + offset_x, j * stride_y + offset_y) of the input, pixel centers at whole numbers.
 struct ScoreGrid {
   int width = 0;  // cells
   int height = 0;

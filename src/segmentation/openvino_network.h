@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // From a weights file to the graph that OpenVINO compiles. Only for builds with OpenVINO.
 #pragma once
 
@@ -17,7 +18,7 @@ namespace rds {
 [[nodiscard]] std::shared_ptr<ov::Model> ReadNetworkFile(const std::string& weights);
 
 // Reads the file and makes of its graph what the description says: ended at the tensor named, freed of the rounding of
-// quantised networks, reshaped. Throws InputError for a file that cannot be read (naming `rds fetch weights`) and for a
+// quantized networks, reshaped. Throws InputError for a file that cannot be read (naming `rds fetch weights`) and for a
 // graph that the description does not fit.
 [[nodiscard]] std::shared_ptr<ov::Model> ReadNetwork(const SegmentationModel& model);
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "segmentation/openvino_segmenter.h"
 
 #include "base/error.h"
@@ -74,7 +75,7 @@ class OpenVinoSegmenter final : public Segmenter {
 
   void Cancel() override {
     const std::lock_guard lock(mutex_);
-    cancelled_ = true;
+    canceled_ = true;
     if (running_) {
       running_->cancel();
     }
@@ -116,13 +117,13 @@ class OpenVinoSegmenter final : public Segmenter {
     return requests_.emplace(shape, compiled.create_infer_request()).first->second;
   }
 
-  // Runs the network on images of one size. Empty images once cancelled.
+  // Runs the network on images of one size. Empty images once canceled.
   std::vector<Image8> Run(std::span<const SegmentationInput> inputs) {
     const int width = inputs[0].image->width;
     const int height = inputs[0].image->height;
     {
       const std::lock_guard lock(mutex_);
-      if (cancelled_) {
+      if (canceled_) {
         return std::vector<Image8>(inputs.size());
       }
     }
@@ -153,11 +154,11 @@ class OpenVinoSegmenter final : public Segmenter {
     }
   }
 
-  // False if cancelled.
+  // False if canceled.
   bool Infer(ov::InferRequest& request) {
     {
       const std::lock_guard lock(mutex_);
-      if (cancelled_) {
+      if (canceled_) {
         return false;
       }
       running_ = &request;
@@ -176,7 +177,7 @@ class OpenVinoSegmenter final : public Segmenter {
     if (failure) {
       std::rethrow_exception(failure);
     }
-    return finished && !cancelled_;
+    return finished && !canceled_;
   }
 
   Image8 MaskOf(const ov::Tensor& output, std::size_t index, int width, int height) const {
@@ -222,7 +223,7 @@ class OpenVinoSegmenter final : public Segmenter {
   int network_width_ = 0;
   std::map<Shape, ov::InferRequest> requests_;  // of Segment's thread
   std::mutex mutex_;
-  bool cancelled_ = false;               // under mutex_
+  bool canceled_ = false;                // under mutex_
   ov::InferRequest* running_ = nullptr;  // under mutex_
 };
 

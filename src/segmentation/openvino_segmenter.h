@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The back end "openvino": a segmentation network run in this process by OpenVINO.
 #pragma once
 
@@ -29,7 +30,7 @@ void CheckNetworkFile(const std::string& weights);
 
 // Runs a network (.onnx, .tflite, or OpenVINO's .xml with its .bin). It is compiled for the image's size with the first
 // request; a published file of the published size is read then, too (SLAM starts sooner; its digest was checked when it
-// was fetched), any other one here. Grey images are run as grey BGR. Cancel interrupts a run under way. Thread-safe as
+// was fetched), any other one here. Gray images are run as gray BGR. Cancel interrupts a run under way. Thread-safe as
 // Segmenter demands. Throws InputError as CheckOpenVino does, and for weights that cannot be read, such as a file cut
 // short (naming `rds fetch weights`).
 [[nodiscard]] std::unique_ptr<Segmenter> MakeOpenVinoSegmenter(const SegmentationModel& model,

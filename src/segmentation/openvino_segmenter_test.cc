@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "segmentation/openvino_segmenter.h"
 
 #include <gmock/gmock.h>
@@ -18,7 +19,6 @@
 
 namespace rds {
 namespace {
-
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
@@ -79,7 +79,7 @@ class OpenVinoSegmenterTest : public testing::Test {
     }
     return segmenter.Segment(inputs);
   }
-  // Left half one colour, right half another; BGR.
+  // Left half one color, right half another; BGR.
   static Image8 Halves(std::array<int, 3> left, std::array<int, 3> right, int width = 64, int height = 48) {
     Image8 image(width, height, 3);
     for (int y = 0; y < height; ++y) {
@@ -122,7 +122,7 @@ TEST(OpenVinoTest, ABuildWithoutTheRuntimeNamesTheWaysOut) {
   }
 }
 
-TEST_F(OpenVinoSegmenterTest, ColoursReachTheNetworkInItsOrder) {
+TEST_F(OpenVinoSegmenterTest, ColorsReachTheNetworkInItsOrder) {
   const std::string ends = "output: {tensor: scores, labels: [0], threshold: 0.5}\n";
   const auto rgb = Channels(ends);
   const Image8 mask = Segment(*rgb, {Halves(kRed, kBlue)}).at(0);
@@ -183,7 +183,7 @@ TEST_F(OpenVinoSegmenterTest, BatchesGiveWhatSinglesGive) {
   EXPECT_EQ(masks[2].width, 32);
 }
 
-TEST_F(OpenVinoSegmenterTest, GreyImagesAreTaken) {
+TEST_F(OpenVinoSegmenterTest, GrayImagesAreTaken) {
   const auto segmenter = Channels("output: {tensor: scores, labels: [0, 1], threshold: 0.5}");
   const Image8 mask = Segment(*segmenter, {Image8(64, 48, 1, 90)}).at(0);
   EXPECT_EQ(mask.At(30, 30), 255);  // three equal classes, two of them dynamic
@@ -217,7 +217,7 @@ TEST_F(OpenVinoSegmenterTest, OutputThatIsNotFiniteIsAFailure) {
   EXPECT_THAT(ErrorOf([&] { std::ignore = Segment(*segmenter, {Halves(kRed, kBlue)}); }), HasSubstr("is not finite"));
 }
 
-TEST_F(OpenVinoSegmenterTest, ThoseThatAreCancelledAnswerNothing) {
+TEST_F(OpenVinoSegmenterTest, ThoseThatAreCanceledAnswerNothing) {
   const auto segmenter = Channels("output: {tensor: scores, labels: [0]}");
   segmenter->Cancel();
   EXPECT_TRUE(Segment(*segmenter, {Halves(kRed, kBlue)}).at(0).empty());

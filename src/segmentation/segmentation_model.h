@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a segmentation network wants and gives: read from the small YAML file beside its weights.
 #pragma once
 
@@ -22,11 +23,11 @@ namespace rds {
 //     kind: logits          # or labels: whole numbers, one a cell
 //     layout: NCHW          # or NHWC; of logits
 //     stride: [0, 0]        # y, x: input pixels from cell to cell; 0 = first and last cell on the first and last pixel
-//     offset: [0, 0]        # y, x: input pixel under the centre of the first cell
+//     offset: [0, 0]        # y, x: input pixel under the center of the first cell
 //     labels: [15]          # prior dynamic classes: their union is the mask
 //     threshold: 0.3        # on the sum of their probabilities: above, a pixel is dynamic
 //     unsure: 0.05          # above, up to the threshold, it says nothing
-//   ignore_rounding: false  # run a quantised network in floats: faster here than imitating its rounding
+//   ignore_rounding: false  # run a quantized network in floats: faster here than imitating its rounding
 struct SegmentationModel {
   enum class Output { kLogits, kLabels };
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The interface that segmentation back ends implement: images in, masks out, no map in sight.
 #pragma once
 
@@ -15,7 +16,7 @@ namespace rds {
 struct SegmentationInput {
   FrameId frame;
   double timestamp_s = 0;
-  std::shared_ptr<const Image8> image;  // BGR or grey, as recorded
+  std::shared_ptr<const Image8> image;  // BGR or gray, as recorded
 };
 
 // A segmentation back end. Segment is called from one thread, never the tracking thread; Cancel from any thread.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "segmentation/stored_segmenter.h"
 
 #include <spdlog/fmt/fmt.h>
@@ -71,7 +72,7 @@ std::vector<Image8> StoredSegmenter::Segment(std::span<const SegmentationInput> 
 void StoredSegmenter::Cancel() {
   {
     const std::lock_guard lock(mutex_);
-    cancelled_ = true;
+    canceled_ = true;
   }
   cancel_asked_.notify_all();
 }
@@ -94,7 +95,7 @@ const StoredMask* StoredSegmenter::Find(double timestamp_s) const {
 
 bool StoredSegmenter::WaitUntil(std::chrono::steady_clock::time_point due) {
   std::unique_lock lock(mutex_);
-  return !cancel_asked_.wait_until(lock, due, [this] { return cancelled_; });
+  return !cancel_asked_.wait_until(lock, due, [this] { return canceled_; });
 }
 
 }  // namespace rds

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The back end "stored": masks that come with the sequence, delivered after a set time.
 #pragma once
 
@@ -42,7 +43,7 @@ class StoredSegmenter final : public Segmenter {
 
  private:
   [[nodiscard]] const StoredMask* Find(double timestamp_s) const;
-  // False if cancelled before.
+  // False if canceled before.
   bool WaitUntil(std::chrono::steady_clock::time_point due);
 
   const std::vector<StoredMask> masks_;
@@ -50,8 +51,8 @@ class StoredSegmenter final : public Segmenter {
   const std::chrono::duration<double, std::milli> delay_;
   std::mutex mutex_;
   std::condition_variable cancel_asked_;
-  bool cancelled_ = false;  // under mutex_
-  int said_ = 0;            // problems logged; of the thread that calls Segment
+  bool canceled_ = false;  // under mutex_
+  int said_ = 0;           // problems logged; of the thread that calls Segment
 };
 
 }  // namespace rds

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "segmentation/stored_segmenter.h"
 
 #include <gmock/gmock.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The published weights: where they come from and where they are kept (io/weights_fetch.h fetches them).
 #pragma once
 
@@ -17,7 +18,7 @@ struct PublishedWeights {
   const char* about;   // for people
 };
 
-// "fast" and "accurate": DeepLabV3 with MobileNetV2 by Google, Apache-2.0, quantised, 21 classes of PASCAL VOC.
+// "fast" and "accurate": DeepLabV3 with MobileNetV2 by Google, Apache-2.0, quantized, 21 classes of PASCAL VOC.
 [[nodiscard]] std::span<const PublishedWeights> AllPublishedWeights();
 
 // The one of that name ("fast", "accurate"), or of that file name; null if there is none.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "semantic/backlog.h"
 
 #include <utility>
@@ -23,7 +24,7 @@ BacklogItem Backlog::TakeFront() {
   return item;
 }
 
-BacklogItem Backlog::TakeBack() {
+BacklogItem Backlog::Revert() {
   BacklogItem item = std::move(items_.back());
   items_.pop_back();
   return item;
@@ -34,7 +35,7 @@ std::vector<BacklogItem> Backlog::Select(SelectionMode mode, std::size_t count) 
   while (selected.size() < count && !items_.empty()) {
     const bool front =
         mode == SelectionMode::kSequential || (mode == SelectionMode::kBidirectional && selected.size() % 2 == 0);
-    selected.push_back(front ? TakeFront() : TakeBack());
+    selected.push_back(front ? TakeFront() : Revert());
   }
   return selected;
 }

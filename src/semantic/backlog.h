@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Keyframes that wait for their label, and which of them go next: the paper's section IV-A.
 #pragma once
 
@@ -24,10 +25,10 @@ struct BacklogItem {
   double timestamp_s = 0;
   std::shared_ptr<const Image8> image;
   std::shared_ptr<const FrameData> data;
-  bool from_front = false;  // set by Select: goes on to the semantic-based optimisation
+  bool from_front = false;  // set by Select: goes on to the semantic-based optimization
 };
 
-// Holds the images of unlabelled keyframes, at most `capacity`. Every item leaves it once: selected, or dropped when
+// Holds the images of unlabeled keyframes, at most `capacity`. Every item leaves it once: selected, or dropped when
 // room is needed (from the middle, so that the oldest and the newest stay). Not thread-safe by itself.
 class Backlog {
  public:
@@ -44,7 +45,7 @@ class Backlog {
 
  private:
   BacklogItem TakeFront();
-  BacklogItem TakeBack();
+  BacklogItem Revert();
 
   std::size_t capacity_;
   std::deque<BacklogItem> items_;  // ascending by frame

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "semantic/evidence.h"
 
 #include <algorithm>
@@ -12,7 +13,7 @@ namespace {
 
 void ObserveLabel(const Keyframe& keyframe, std::uint32_t keypoint, PointId point, MovingProbabilities& probabilities,
                   const MovingProbabilityOptions& options) {
-  if (keyframe.IsLabelled() && keyframe.labels[keypoint] != KeypointLabel::kNone) {
+  if (keyframe.IsLabeled() && keyframe.labels[keypoint] != KeypointLabel::kNone) {
     probabilities.Observe(point, keyframe.labels[keypoint] == KeypointLabel::kDynamic, options);
   }
 }
@@ -41,7 +42,7 @@ std::vector<KeypointLabel> LabelKeypoints(const FrameData& data, const Image8& m
 void ApplyLabels(Map& map, KeyframeId id, std::vector<KeypointLabel> labels, MovingProbabilities& probabilities,
                  const MovingProbabilityOptions& options) {
   Keyframe& keyframe = map.At(id);
-  Check(!keyframe.IsLabelled(), "a keyframe is labelled once");
+  Check(!keyframe.IsLabeled(), "a keyframe is labeled once");
   Check(labels.size() == keyframe.points.size(), "a label for each keypoint");
   keyframe.labels = std::move(labels);
   for (std::size_t i = 0; i < keyframe.points.size(); ++i) {
@@ -58,9 +59,9 @@ MapPoint& AddPoint(Map& map, const Eigen::Vector3d& position, KeyframeId keyfram
   return point;
 }
 
-bool AddSighting(Map& map, PointId point, KeyframeId keyframe, std::uint32_t keypoint,
-                 MovingProbabilities& probabilities, const MovingProbabilityOptions& options) {
-  if (!map.AddSighting(point, keyframe, keypoint)) {
+bool AddObservation(Map& map, PointId point, KeyframeId keyframe, std::uint32_t keypoint,
+                    MovingProbabilities& probabilities, const MovingProbabilityOptions& options) {
+  if (!map.AddObservation(point, keyframe, keypoint)) {
     return false;
   }
   ObserveLabel(map.At(keyframe), keypoint, point, probabilities, options);

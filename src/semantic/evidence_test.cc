@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "semantic/evidence.h"
 
 #include <gtest/gtest.h>
@@ -87,7 +88,7 @@ TEST(ApplyLabels, TakesOneStepForEachPointThatTheKeyframeSees) {
   const PointId unsaid = scene.Add(scene.a, 2);
   const PointId elsewhere = scene.Add(scene.b, 0);
   scene.Label(scene.a, {kDynamic, kStatic, kNone, kDynamic});
-  EXPECT_TRUE(scene.map.At(scene.a).IsLabelled());
+  EXPECT_TRUE(scene.map.At(scene.a).IsLabeled());
   EXPECT_NEAR(scene.probabilities.Get(moves), 0.9, 1e-6);
   EXPECT_NEAR(scene.probabilities.Get(stays), 0.1, 1e-6);
   EXPECT_EQ(scene.probabilities.Get(unsaid), kUnknownProbability);
@@ -107,7 +108,7 @@ TEST(ApplyLabels, WantsALabelForEachKeypoint) {
   Scene scene;
   const PointId point = scene.Add(scene.a, 0);
   EXPECT_THROW(scene.Label(scene.a, {kDynamic, kDynamic}), InvariantError);
-  EXPECT_FALSE(scene.map.At(scene.a).IsLabelled());
+  EXPECT_FALSE(scene.map.At(scene.a).IsLabeled());
   EXPECT_EQ(scene.probabilities.Get(point), kUnknownProbability);
 }
 
@@ -120,13 +121,13 @@ TEST(Evidence, ANewPointStartsFromTheLabelOfItsKeypoint) {
   EXPECT_EQ(scene.probabilities.Get(scene.Add(scene.b, 0)), kUnknownProbability);  // no label yet
 }
 
-TEST(Evidence, ASightingCountsOnlyIfItIsMade) {
+TEST(Evidence, AObservationCountsOnlyIfItIsMade) {
   Scene scene;
   scene.Label(scene.b, {kDynamic, kStatic, kDynamic, kDynamic});
   const PointId first = scene.Add(scene.a, 0);
   const PointId second = scene.Add(scene.a, 1);
   const auto add = [&](PointId point, std::uint32_t keypoint) {
-    return AddSighting(scene.map, point, scene.b, keypoint, scene.probabilities, scene.options);
+    return AddObservation(scene.map, point, scene.b, keypoint, scene.probabilities, scene.options);
   };
   EXPECT_TRUE(add(first, 0));
   EXPECT_NEAR(scene.probabilities.Get(first), 0.9, 1e-6);
@@ -146,7 +147,7 @@ TEST(Evidence, FusingJoinsWhatBothPointsKnow) {
     FusePoints(scene.map, from, to, scene.probabilities, scene.options);
     EXPECT_EQ(scene.map.Find(from), nullptr);
     EXPECT_EQ(scene.map.Resolve(from), to);
-    EXPECT_EQ(scene.map.At(to).sightings.size(), 2U);
+    EXPECT_EQ(scene.map.At(to).observations.size(), 2U);
     return scene.probabilities.Get(to);
   };
   EXPECT_NEAR(fuse(0, 0.2, 0.2), 0.04 / (0.04 + 0.64), 1e-6);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "semantic/semantic_optimizer.h"
 
 #include <numbers>
@@ -7,7 +8,7 @@
 namespace rds {
 namespace {
 
-bool IsMadeBy(const MapPoint& point, KeyframeId keyframe) { return point.sightings.front().keyframe == keyframe; }
+bool IsMadeBy(const MapPoint& point, KeyframeId keyframe) { return point.observations.front().keyframe == keyframe; }
 
 }  // namespace
 
@@ -48,8 +49,8 @@ bool ApplySemanticPose(Map& map, const SemanticPoseProblem& problem, const PoseR
   }
   const Rigid3 new_world_from_old_world = result.camera_from_world.Inverse() * problem.camera_from_world;
   const double turn_deg = AngleOf(new_world_from_old_world.rotation) * 180.0 / std::numbers::pi;
-  const double shift_m = (result.camera_from_world.Inverse().translation - keyframe->CameraCentre()).norm();
-  if (shift_m < options.min_shift_m && turn_deg < options.min_turn_deg) {
+  const double shift_m = (result.camera_from_world.Inverse().translation - keyframe->CameraCenter()).norm();
+  if (shift_m < options.min_shift_m && turn_deg < options.min_rotation_deg) {
     return false;
   }
   map.SetPose(keyframe->id, result.camera_from_world);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "semantic/semantic_optimizer.h"
 
 #include <gtest/gtest.h>
@@ -54,7 +55,7 @@ struct Scene {
     second = map.AddKeyframe(FrameId{5}, 5, wrong, Data(truth, later)).id;
     for (std::uint32_t i = 0; i < kPoints; ++i) {
       const PointId point = map.AddPoint(points[i], root, i).id;
-      EXPECT_TRUE(map.AddSighting(point, second, i));
+      EXPECT_TRUE(map.AddObservation(point, second, i));
       probabilities.Set(point, i < kStaticPoints ? 0.1 : 0.9);
     }
     map.UpdateCovisibility(second);
@@ -159,7 +160,7 @@ TEST(SemanticOptimizer, PointsThatThisKeyframeMadeMoveWithItThoughLaterOnesSeeTh
   const PointId own = scene.map.AddPoint(scene.wrong.Inverse() * (scene.truth * scene.own), scene.second, kPoints).id;
   scene.probabilities.Set(own, 0.1);
   const KeyframeId third = scene.map.AddKeyframe(FrameId{9}, 9, scene.truth, Data(scene.truth, {scene.own})).id;
-  ASSERT_TRUE(scene.map.AddSighting(own, third, 0));
+  ASSERT_TRUE(scene.map.AddObservation(own, third, 0));
   ASSERT_GT((scene.map.At(own).position - scene.own).norm(), 0.02);
   const Eigen::Vector3d shared = scene.map.At(PointId{0}).position;
   const auto problem = scene.Copy(scene.second);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Smooth hand-held camera motions through the synthetic room.
 #pragma once
 
@@ -9,13 +10,13 @@
 
 namespace rds::synthetic {
 
-// A motion without end: about .3 m/s and 10 to 25 degrees a second (kStatic: a few millimetres of sway), with the
+// A motion without end: about .3 m/s and 10 to 25 degrees a second (kStatic: a few millimeters of sway), with the
 // tremor of a hand. Immutable.
 class CameraPath {
  public:
   CameraPath(SyntheticPath path, std::uint64_t seed);
 
-  // Camera frame: x right, y down, z forward; world: z up, metres.
+  // Camera frame: x right, y down, z forward; world: z up, meters.
   [[nodiscard]] Rigid3 WorldFromCamera(double time_s) const;
 
  private:

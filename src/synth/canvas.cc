@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "synth/canvas.h"
 
 #include <algorithm>
@@ -19,13 +20,13 @@ float SmoothStep(float x) { return x * x * (3.0F - 2.0F * x); }
 
 }  // namespace
 
-Colour operator*(float scale, const Colour& colour) { return {scale * colour.b, scale * colour.g, scale * colour.r}; }
+Color operator*(float scale, const Color& color) { return {scale * color.b, scale * color.g, scale * color.r}; }
 
-Colour Mix(const Colour& a, const Colour& b, float share_of_b) {
+Color Mix(const Color& a, const Color& b, float share_of_b) {
   return {a.b + share_of_b * (b.b - a.b), a.g + share_of_b * (b.g - a.g), a.r + share_of_b * (b.r - a.r)};
 }
 
-Colour FromHsv(double hue, double saturation, double value) {
+Color FromHsv(double hue, double saturation, double value) {
   const auto channel = [&](double offset) {
     const double k = std::fmod(offset + 6.0 * (hue - std::floor(hue)), 6.0);
     return static_cast<float>(255.0 * value * (1.0 - saturation * std::clamp(std::min(k, 4.0 - k), 0.0, 1.0)));
@@ -33,8 +34,7 @@ Colour FromHsv(double hue, double saturation, double value) {
   return {channel(1), channel(3), channel(5)};
 }
 
-Colour RandomColour(Random& random, double low_saturation, double high_saturation, double low_value,
-                    double high_value) {
+Color RandomColor(Random& random, double low_saturation, double high_saturation, double low_value, double high_value) {
   const double hue = random.Uniform(0, 1);
   const double saturation = random.Uniform(low_saturation, high_saturation);
   return FromHsv(hue, saturation, random.Uniform(low_value, high_value));
@@ -47,19 +47,19 @@ Canvas::Canvas(double width_m, double height_m, double texel_m)
       height_(std::max(2, static_cast<int>(std::lround(height_m / texel_m)))),
       pixels_(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_)) {}
 
-void Canvas::Fill(const Colour& colour) { std::fill(pixels_.begin(), pixels_.end(), colour); }
+void Canvas::Fill(const Color& color) { std::fill(pixels_.begin(), pixels_.end(), color); }
 
-void Canvas::Gradient(const Colour& top, const Colour& bottom) {
+void Canvas::Gradient(const Color& top, const Color& bottom) {
   for (int y = 0; y < height_; ++y) {
-    const Colour colour = Mix(top, bottom, (static_cast<float>(y) + 0.5F) / static_cast<float>(height_));
-    std::fill_n(&At(0, y), width_, colour);
+    const Color color = Mix(top, bottom, (static_cast<float>(y) + 0.5F) / static_cast<float>(height_));
+    std::fill_n(&At(0, y), width_, color);
   }
 }
 
-// Mixes in `colour` where coverage(dx, dy), given metres from (x, y), says so: a signed distance in texels, negative
+// Mixes in `color` where coverage(dx, dy), given meters from (x, y), says so: a signed distance in texels, negative
 // inside.
 template <typename Coverage>
-void Canvas::Paint(double x, double y, double reach_x, double reach_y, const Colour& colour, float alpha,
+void Canvas::Paint(double x, double y, double reach_x, double reach_y, const Color& color, float alpha,
                    const Coverage& coverage) {
   const double per_x = texels_per_m_x();
   const double per_y = texels_per_m_y();
@@ -73,29 +73,29 @@ void Canvas::Paint(double x, double y, double reach_x, double reach_y, const Col
       const double outside = coverage((column + 0.5) / per_x - x, dy) * per_x;
       const float share = alpha * static_cast<float>(std::clamp(0.5 - outside, 0.0, 1.0));
       if (share > 0) {
-        At(column, row) = Mix(At(column, row), colour, share);
+        At(column, row) = Mix(At(column, row), color, share);
       }
     }
   }
 }
 
-void Canvas::Rect(double x, double y, double width, double height, const Colour& colour, double angle, float alpha) {
+void Canvas::Rect(double x, double y, double width, double height, const Color& color, double angle, float alpha) {
   const double cosine = std::cos(angle);
   const double sine = std::sin(angle);
   const double reach_x = 0.5 * (std::abs(cosine) * width + std::abs(sine) * height);
   const double reach_y = 0.5 * (std::abs(sine) * width + std::abs(cosine) * height);
-  Paint(x, y, reach_x, reach_y, colour, alpha, [&](double dx, double dy) {
+  Paint(x, y, reach_x, reach_y, color, alpha, [&](double dx, double dy) {
     return std::max(std::abs(cosine * dx + sine * dy) - 0.5 * width, std::abs(cosine * dy - sine * dx) - 0.5 * height);
   });
 }
 
-void Canvas::Disc(double x, double y, double radius, const Colour& colour, float alpha) {
-  Paint(x, y, radius, radius, colour, alpha,
+void Canvas::Disc(double x, double y, double radius, const Color& color, float alpha) {
+  Paint(x, y, radius, radius, color, alpha,
         [&](double dx, double dy) { return std::sqrt(dx * dx + dy * dy) - radius; });
 }
 
-void Canvas::Line(double x0, double y0, double x1, double y1, double thickness, const Colour& colour) {
-  Rect(0.5 * (x0 + x1), 0.5 * (y0 + y1), std::hypot(x1 - x0, y1 - y0), thickness, colour, std::atan2(y1 - y0, x1 - x0));
+void Canvas::Line(double x0, double y0, double x1, double y1, double thickness, const Color& color) {
+  Rect(0.5 * (x0 + x1), 0.5 * (y0 + y1), std::hypot(x1 - x0, y1 - y0), thickness, color, std::atan2(y1 - y0, x1 - x0));
 }
 
 void Canvas::Noise(std::uint64_t seed, double cell_x, double cell_y, int octaves, double amplitude) {

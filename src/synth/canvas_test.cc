@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "synth/canvas.h"
 
 #include <gtest/gtest.h>
@@ -58,7 +59,7 @@ TEST(Canvas, NoiseKeepsTheMeanAndIsSeeded) {
   EXPECT_LT(std::sqrt(square - mean * mean), 15);
 }
 
-TEST(Colour, HsvGivesThePrimaries) {
+TEST(Color, HsvGivesThePrimaries) {
   EXPECT_FLOAT_EQ(FromHsv(0, 1, 1).r, 255);
   EXPECT_FLOAT_EQ(FromHsv(0, 1, 1).g, 0);
   EXPECT_NEAR(FromHsv(1.0 / 3, 1, 1).g, 255, 1e-3);

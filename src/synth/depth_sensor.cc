@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "synth/depth_sensor.h"
 
 #include <algorithm>
@@ -82,7 +83,7 @@ void MarkShadows(const float* depth_m, const PinholeCamera& camera, std::vector<
 
 }  // namespace
 
-Image16 QuantiseDepth(const std::vector<float>& depth_m, const PinholeCamera& camera) {
+Image16 QuantizeDepth(const std::vector<float>& depth_m, const PinholeCamera& camera) {
   Image16 image(camera.width, camera.height);
   std::transform(depth_m.begin(), depth_m.end(), image.data.begin(),
                  [&](float depth) { return ToUnits(static_cast<double>(depth), camera.depth_scale); });
@@ -123,12 +124,12 @@ Image16 MeasureDepth(const std::vector<float>& depth_m, const PinholeCamera& cam
   return image;
 }
 
-Image8 MeasureColour(const std::vector<float>& colour, const PinholeCamera& camera, double sigma, std::uint64_t seed) {
+Image8 MeasureColor(const std::vector<float>& color, const PinholeCamera& camera, double sigma, std::uint64_t seed) {
   Image8 image(camera.width, camera.height, 3);
   FastNormal normal(seed ^ 0xC0104ULL);
   const auto scale = static_cast<float>(sigma);
-  for (std::size_t i = 0; i < colour.size(); ++i) {
-    const float value = colour[i] + (sigma > 0 ? scale * normal.Next() : 0.0F);
+  for (std::size_t i = 0; i < color.size(); ++i) {
+    const float value = color[i] + (sigma > 0 ? scale * normal.Next() : 0.0F);
     image.data[i] = static_cast<std::uint8_t>(std::clamp(value + 0.5F, 0.0F, 255.0F));
   }
   return image;

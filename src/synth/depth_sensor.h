@@ -1,4 +1,5 @@
-// Noise of cameras: structured-light depth, and colour.
+// SPDX-License-Identifier: Apache-2.0
+// Noise of cameras: structured-light depth, and color.
 #pragma once
 
 #include <cstdint>
@@ -22,14 +23,14 @@ struct DepthNoise {
   double edge_loss = 0.6;   // probability that a pixel beside an edge has no depth
 };
 
-inline constexpr double kColourSigma = 2.0;  // grey values, each pixel and channel by itself
+inline constexpr double kColorSigma = 2.0;  // gray values, each pixel and channel by itself
 
-// Exact depths in metres (0 = none) to the camera's units, rounded to the nearest; out of the type's range becomes 0.
-Image16 QuantiseDepth(const std::vector<float>& depth_m, const PinholeCamera& camera);
+// Exact depths in meters (0 = none) to the camera's units, rounded to the nearest; out of the type's range becomes 0.
+Image16 QuantizeDepth(const std::vector<float>& depth_m, const PinholeCamera& camera);
 // The same as the sensor measures it. Same seed, same bytes.
 Image16 MeasureDepth(const std::vector<float>& depth_m, const PinholeCamera& camera, const DepthNoise& noise,
                      std::uint64_t seed);
-// Floats to bytes, with normal noise of `sigma` grey values; sigma 0 only rounds.
-Image8 MeasureColour(const std::vector<float>& colour, const PinholeCamera& camera, double sigma, std::uint64_t seed);
+// Floats to bytes, with normal noise of `sigma` gray values; sigma 0 only rounds.
+Image8 MeasureColor(const std::vector<float>& color, const PinholeCamera& camera, double sigma, std::uint64_t seed);
 
 }  // namespace rds::synthetic

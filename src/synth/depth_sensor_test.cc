@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "synth/depth_sensor.h"
 
 #include <gtest/gtest.h>
@@ -37,9 +38,9 @@ Statistics Measure(const PinholeCamera& camera, double depth_m, std::uint64_t se
 
 TEST(DepthSensor, ExactDepthIsRoundedToUnits) {
   const PinholeCamera camera = MakeSyntheticCamera(64, 48);
-  EXPECT_EQ(QuantiseDepth(Wall(camera, 1.23456), camera).At(5, 5), 6173);
-  EXPECT_EQ(QuantiseDepth(Wall(camera, 0), camera).At(5, 5), 0);
-  EXPECT_EQ(QuantiseDepth(Wall(camera, 14), camera).At(5, 5), 0);  // more than 16 bits hold
+  EXPECT_EQ(QuantizeDepth(Wall(camera, 1.23456), camera).At(5, 5), 6173);
+  EXPECT_EQ(QuantizeDepth(Wall(camera, 0), camera).At(5, 5), 0);
+  EXPECT_EQ(QuantizeDepth(Wall(camera, 14), camera).At(5, 5), 0);  // more than 16 bits hold
 }
 
 // sigma_z = z^2 / (f b) * sqrt(sigma_d^2 + step^2 / 12), averaged over where the depth falls between two steps.
@@ -112,10 +113,10 @@ TEST(DepthSensor, ShadowLeftOfANearerThing) {
   EXPECT_NEAR(edge_lost / 240.0, DepthNoise{}.edge_loss, 0.12);
 }
 
-TEST(ColourSensor, NoiseHasTheSigmaAskedFor) {
+TEST(ColorSensor, NoiseHasTheSigmaAskedFor) {
   const PinholeCamera camera = MakeSyntheticCamera(320, 240);
-  const std::vector<float> grey(3U * 320U * 240U, 120.3F);
-  const Image8 image = MeasureColour(grey, camera, kColourSigma, 8);
+  const std::vector<float> gray(3U * 320U * 240U, 120.3F);
+  const Image8 image = MeasureColor(gray, camera, kColorSigma, 8);
   double mean = 0;
   double square = 0;
   for (const std::uint8_t value : image.data) {
@@ -125,10 +126,10 @@ TEST(ColourSensor, NoiseHasTheSigmaAskedFor) {
   mean /= static_cast<double>(image.data.size());
   square /= static_cast<double>(image.data.size());
   EXPECT_NEAR(mean, 120.3, 0.03);
-  EXPECT_NEAR(std::sqrt(square - mean * mean), std::sqrt(kColourSigma * kColourSigma + 1.0 / 12), 0.03);
-  EXPECT_EQ(MeasureColour(grey, camera, 0, 8).data, std::vector<std::uint8_t>(grey.size(), 120));
-  EXPECT_EQ(MeasureColour(grey, camera, 2, 8).data, image.data);
-  EXPECT_NE(MeasureColour(grey, camera, 2, 9).data, image.data);
+  EXPECT_NEAR(std::sqrt(square - mean * mean), std::sqrt(kColorSigma * kColorSigma + 1.0 / 12), 0.03);
+  EXPECT_EQ(MeasureColor(gray, camera, 0, 8).data, std::vector<std::uint8_t>(gray.size(), 120));
+  EXPECT_EQ(MeasureColor(gray, camera, 2, 8).data, image.data);
+  EXPECT_NE(MeasureColor(gray, camera, 2, 9).data, image.data);
 }
 
 }  // namespace

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "synth/lighting.h"
 
 #include <algorithm>
@@ -75,7 +76,7 @@ void Lighting::Apply(const Quad& quad, Canvas& canvas) const {
   std::vector<double> grid;
   for (int row = 0; row < rows; ++row) {
     for (int column = 0; column < columns; ++column) {
-      // Points on the very border would lie in a neighbouring solid.
+      // Points on the very border would lie in a neighboring solid.
       const double s = std::clamp(quad.width * column / (columns - 1), 0.01, quad.width - 0.01);
       const double t = std::clamp(quad.height * row / (rows - 1), 0.01, quad.height - 0.01);
       grid.push_back(At(quad.corner + s * quad.right + t * quad.down + 0.004 * normal, normal));

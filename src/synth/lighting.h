@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Soft light of a room, computed once and painted into the textures.
 #pragma once
 
@@ -12,7 +13,7 @@ struct AreaLight {
   Eigen::Vector3d center;
   Eigen::Vector3d u;
   Eigen::Vector3d v;
-  double power = 0;  // of full brightness one metre away, face to face
+  double power = 0;  // of full brightness one meter away, face to face
 };
 
 // Brightness of diffuse surfaces: direct light of area lights with soft shadows of boxes, and ambient light dimmed
@@ -22,7 +23,7 @@ class Lighting {
   // `room_half` is the room's half width, half depth and height; it stands on z = 0 about the z axis.
   Lighting(std::vector<Box> boxes, std::vector<AreaLight> lights, const Eigen::Vector3d& room_half);
 
-  // Factor for the colour of a surface point; about 1 in good light. `normal` is a unit vector.
+  // Factor for the color of a surface point; about 1 in good light. `normal` is a unit vector.
   [[nodiscard]] double At(const Eigen::Vector3d& point, const Eigen::Vector3d& normal) const;
   // Multiplies the light on a rectangle into the picture that will be its texture.
   void Apply(const Quad& quad, Canvas& canvas) const;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A person in the room: on a seat or on a walk.
 #pragma once
 

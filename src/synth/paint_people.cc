@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "synth/paint.h"
 #include "synth/paint_parts.h"
 
@@ -6,8 +7,8 @@ namespace rds::synthetic {
 void PaintShirt(Canvas& canvas, Random& random) {
   const double w = canvas.width_m();
   const double h = canvas.height_m();
-  const Colour base = RandomColour(random, 0.4, 0.85, 0.35, 0.9);
-  const Colour other = RandomColour(random, 0.1, 0.8, 0.2, 1.0);
+  const Color base = RandomColor(random, 0.4, 0.85, 0.35, 0.9);
+  const Color other = RandomColor(random, 0.1, 0.8, 0.2, 1.0);
   canvas.Fill(base);
   switch (random.Index(3)) {
     case 0:
@@ -26,7 +27,7 @@ void PaintShirt(Canvas& canvas, Random& random) {
     default:
       for (int i = 0; i < 26; ++i) {
         canvas.Rect(random.Uniform(0, w), random.Uniform(0, h), random.Uniform(0.02, 0.1), random.Uniform(0.02, 0.06),
-                    RandomColour(random, 0.2, 0.9, 0.3, 1.0), random.Uniform(0, 3));
+                    RandomColor(random, 0.2, 0.9, 0.3, 1.0), random.Uniform(0, 3));
       }
   }
   if (w > 0.6) {  // not a sleeve; the chest is at half the width: a print on it
@@ -37,7 +38,7 @@ void PaintShirt(Canvas& canvas, Random& random) {
 }
 
 void PaintDenim(Canvas& canvas, Random& random) {
-  const Colour base = Mix({120, 70, 45}, RandomColour(random, 0.2, 0.5, 0.2, 0.6), 0.35F);
+  const Color base = Mix({120, 70, 45}, RandomColor(random, 0.2, 0.5, 0.2, 0.6), 0.35F);
   canvas.Fill(base);
   for (int i = 0; i < 8; ++i) {  // creases and patches
     canvas.Rect(random.Uniform(0, canvas.width_m()), random.Uniform(0, canvas.height_m()), random.Uniform(0.05, 0.12),
@@ -47,12 +48,12 @@ void PaintDenim(Canvas& canvas, Random& random) {
   canvas.Noise(random.Bits(), 0.06, 0.12, 5, 0.4);
 }
 
-void PaintSkin(Canvas& canvas, Random& random, const Colour& skin) {
+void PaintSkin(Canvas& canvas, Random& random, const Color& skin) {
   canvas.Fill(skin);
   canvas.Noise(random.Bits(), 0.05, 0.05, 3, 0.1);
 }
 
-void PaintFace(Canvas& canvas, Random& random, const Colour& skin) {
+void PaintFace(Canvas& canvas, Random& random, const Color& skin) {
   const double w = canvas.width_m();
   const double h = canvas.height_m();
   PaintSkin(canvas, random, skin);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -10,7 +11,7 @@ namespace rds::synthetic {
 void PaintPoster(Canvas& canvas, Random& random) {
   const double w = canvas.width_m();
   const double h = canvas.height_m();
-  canvas.Gradient(RandomColour(random, 0.1, 0.7, 0.4, 0.95), RandomColour(random, 0.1, 0.7, 0.2, 0.8));
+  canvas.Gradient(RandomColor(random, 0.1, 0.7, 0.4, 0.95), RandomColor(random, 0.1, 0.7, 0.2, 0.8));
   PaintShapes(canvas, random, 22 + static_cast<int>(random.Index(20)), 0.5 * std::min(w, h));
   if (random.Index(2) == 0) {  // a block of text
     const double top = random.Uniform(0.5, 0.7) * h;
@@ -26,7 +27,7 @@ void PaintWhiteboard(Canvas& canvas, Random& random) {
   const double h = canvas.height_m();
   canvas.Fill(kWhite);
   for (int i = 0; i < 26; ++i) {
-    const Colour ink = FromHsv(random.Index(3) / 3.0, 0.8, random.Uniform(0.2, 0.6));
+    const Color ink = FromHsv(random.Index(3) / 3.0, 0.8, random.Uniform(0.2, 0.6));
     const double x = random.Uniform(0.06, 0.85) * w;
     const double y = random.Uniform(0.06, 0.85) * h;
     switch (random.Index(4)) {
@@ -63,10 +64,10 @@ void PaintScreen(Canvas& canvas, Random& random) {
     const double x = random.Uniform(0.03 * w, 0.95 * w - width);
     const double y = random.Uniform(0.03 * h, 0.95 * h - height);
     const bool dark = random.Index(2) == 0;
-    canvas.Rect(x + 0.5 * width, y + 0.5 * height, width, height, dark ? Colour{40, 34, 30} : kWhite);
-    canvas.Rect(x + 0.5 * width, y + 0.012, width, 0.024, RandomColour(random, 0.2, 0.6, 0.5, 0.9));
+    canvas.Rect(x + 0.5 * width, y + 0.5 * height, width, height, dark ? Color{40, 34, 30} : kWhite);
+    canvas.Rect(x + 0.5 * width, y + 0.012, width, 0.024, RandomColor(random, 0.2, 0.6, 0.5, 0.9));
     PaintText(canvas, random, x + 0.02, y + 0.035, width - 0.04, height - 0.05, 0.02,
-              dark ? Colour{120, 220, 140} : kBlack);
+              dark ? Color{120, 220, 140} : kBlack);
   }
   PaintBorder(canvas, 0.018, kBlack);
 }
@@ -83,7 +84,7 @@ void PaintKeyboard(Canvas& canvas, Random& random) {
   }
 }
 
-void PaintBookshelf(Canvas& canvas, Random& random, const Colour& wood, double shelf_height) {
+void PaintBookshelf(Canvas& canvas, Random& random, const Color& wood, double shelf_height) {
   const double w = canvas.width_m();
   const double h = canvas.height_m();
   canvas.Fill(0.28F * wood);
@@ -96,17 +97,17 @@ void PaintBookshelf(Canvas& canvas, Random& random, const Colour& wood, double s
       if (random.Index(14) == 0) {  // a gap, sometimes with a thing in it
         const double gap = random.Uniform(0.05, 0.12);
         if (random.Index(2) == 0) {
-          canvas.Disc(x + 0.5 * gap, floor_y - 0.4 * gap, 0.4 * gap, RandomColour(random, 0.2, 0.8, 0.4, 0.9));
+          canvas.Disc(x + 0.5 * gap, floor_y - 0.4 * gap, 0.4 * gap, RandomColor(random, 0.2, 0.8, 0.4, 0.9));
         }
         x += gap;
         continue;
       }
       const double width = std::min(random.Uniform(0.018, 0.055), w - 0.03 - x);
       const double height = (pitch - 0.03) * random.Uniform(0.6, 0.95);
-      const Colour cover = RandomColour(random, 0.1, 0.8, 0.2, 0.9);
+      const Color cover = RandomColor(random, 0.1, 0.8, 0.2, 0.9);
       const double lean = random.Index(9) == 0 ? random.Uniform(-0.08, 0.08) : 0;
       canvas.Rect(x + 0.5 * width, floor_y - 0.5 * height, width - 0.003, height, cover, lean);
-      const Colour title = RandomColour(random, 0.0, 0.4, 0.7, 1.0);
+      const Color title = RandomColor(random, 0.0, 0.4, 0.7, 1.0);
       const double band = random.Uniform(0.2, 0.8) * height;
       canvas.Rect(x + 0.5 * width, floor_y - band, 0.6 * width, random.Uniform(0.02, 0.07), title, lean);
       canvas.Rect(x + 0.5 * width, floor_y - 0.06 * height, width - 0.003, 0.008, 0.5F * title, lean);
@@ -120,7 +121,7 @@ void PaintBookshelf(Canvas& canvas, Random& random, const Colour& wood, double s
   canvas.Noise(random.Bits(), 0.2, 0.2, 5, 0.14);
 }
 
-void PaintCabinet(Canvas& canvas, Random& random, const Colour& base, int columns, int rows) {
+void PaintCabinet(Canvas& canvas, Random& random, const Color& base, int columns, int rows) {
   PaintWood(canvas, random, base);
   const double w = canvas.width_m() / columns;
   const double h = canvas.height_m() / rows;
@@ -142,8 +143,8 @@ void PaintCabinet(Canvas& canvas, Random& random, const Colour& base, int column
         const double right = x + random.Uniform(-0.3, 0.3) * w;
         const double down = y + random.Uniform(-0.15, 0.35) * h;
         const double angle = random.Uniform(-0.4, 0.4);
-        canvas.Rect(right, down, size, 0.7 * size, RandomColour(random, 0.2, 0.8, 0.4, 1.0), angle);
-        canvas.Rect(right, down, 0.5 * size, 0.3 * size, RandomColour(random, 0.0, 0.6, 0.1, 0.9), angle);
+        canvas.Rect(right, down, size, 0.7 * size, RandomColor(random, 0.2, 0.8, 0.4, 1.0), angle);
+        canvas.Rect(right, down, 0.5 * size, 0.3 * size, RandomColor(random, 0.0, 0.6, 0.1, 0.9), angle);
       }
     }
   }
@@ -161,13 +162,13 @@ void PaintCarton(Canvas& canvas, Random& random) {
     canvas.Rect(x, y, size, 0.7 * size, kWhite, random.Uniform(-0.2, 0.2));
     PaintText(canvas, random, x - 0.4 * size, y - 0.3 * size, 0.75 * size, 0.55 * size, 0.016, kBlack);
     canvas.Rect(random.Uniform(0.1, 0.9) * w, random.Uniform(0.1, 0.9) * h, 0.07, 0.03,
-                RandomColour(random, 0.4, 0.9, 0.2, 0.8), random.Uniform(0, 3));
+                RandomColor(random, 0.4, 0.9, 0.2, 0.8), random.Uniform(0, 3));
   }
   canvas.Noise(random.Bits(), 0.15, 0.15, 6, 0.2);
   PaintBorder(canvas, 0.006, {50, 80, 110});
 }
 
-void PaintPaperwork(Canvas& canvas, Random& random, const Colour& wood) {
+void PaintPaperwork(Canvas& canvas, Random& random, const Color& wood) {
   PaintWood(canvas, random, wood);
   const int sheets = static_cast<int>(canvas.width_m() * canvas.height_m() * 11) + 2;
   for (int i = 0; i < sheets; ++i) {
@@ -178,7 +179,7 @@ void PaintPaperwork(Canvas& canvas, Random& random, const Colour& wood) {
     const double width = note ? 0.08 : 0.21;
     const double height = note ? 0.08 : 0.29;
     canvas.Rect(x, y, width + 0.006, height + 0.006, 0.4F * wood, angle);
-    canvas.Rect(x, y, width, height, note ? RandomColour(random, 0.4, 0.7, 0.8, 1.0) : kWhite, angle);
+    canvas.Rect(x, y, width, height, note ? RandomColor(random, 0.4, 0.7, 0.8, 1.0) : kWhite, angle);
     for (int line = 0; line < (note ? 3 : 9); ++line) {
       const double down = (line + 1.0) / (note ? 4 : 10) * height - 0.5 * height;
       const double length = width * random.Uniform(0.4, 0.8);
@@ -189,12 +190,12 @@ void PaintPaperwork(Canvas& canvas, Random& random, const Colour& wood) {
   }
 }
 
-void PaintFabric(Canvas& canvas, Random& random, const Colour& base) {
+void PaintFabric(Canvas& canvas, Random& random, const Color& base) {
   canvas.Fill(base);
   const int count = 6 + static_cast<int>(canvas.width_m() * canvas.height_m() * 60);
   for (int i = 0; i < count; ++i) {
     canvas.Rect(random.Uniform(0, canvas.width_m()), random.Uniform(0, canvas.height_m()), random.Uniform(0.02, 0.12),
-                random.Uniform(0.01, 0.05), Mix(base, RandomColour(random, 0.2, 0.6, 0.2, 1.0), 0.6F),
+                random.Uniform(0.01, 0.05), Mix(base, RandomColor(random, 0.2, 0.6, 0.2, 1.0), 0.6F),
                 random.Uniform(0, std::numbers::pi));
   }
   canvas.Noise(random.Bits(), 0.1, 0.1, 4, 0.22);

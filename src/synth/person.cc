@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "synth/person.h"
 
 #include <algorithm>
@@ -39,9 +40,9 @@ Person::Person(std::uint64_t seed) {
     phase = random.Uniform(0, kTurn);
   }
   const float tan = static_cast<float>(random.Uniform(0.55, 1.0));
-  const Colour skin = tan * Colour{165, 190, 232};
-  constexpr std::array<Colour, 4> kHair{{{60, 100, 140}, {34, 38, 46}, {40, 58, 86}, {110, 150, 176}}};
-  const Colour hair = kHair[random.Index(kHair.size())];
+  const Color skin = tan * Color{165, 190, 232};
+  constexpr std::array<Color, 4> kHair{{{60, 100, 140}, {34, 38, 46}, {40, 58, 86}, {110, 150, 176}}};
+  const Color hair = kHair[random.Index(kHair.size())];
   // Shirt and sleeves are cut from the same cloth: same seed, other size.
   const std::uint64_t cloth = random.Bits();
   const auto with_cloth = [&](Canvas& canvas) {
@@ -57,7 +58,7 @@ Person::Person(std::uint64_t seed) {
     canvas.Fill(hair);
     canvas.Noise(random.Bits(), 0.01, 0.08, 3, 0.5);
   });
-  const Colour leather = RandomColour(random, 0.2, 0.7, 0.15, 0.7);
+  const Color leather = RandomColor(random, 0.2, 0.7, 0.15, 0.7);
   shoe_ = Wrap(0.3, 0.3, [&](Canvas& canvas) { PaintFabric(canvas, random, leather); });
 }
 

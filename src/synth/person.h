@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // People made of capsules: walking and sitting bodies with clothes.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "synth/rasterizer.h"
 
 #include <algorithm>
@@ -10,7 +11,7 @@ namespace rds::synthetic {
 namespace {
 
 constexpr int kSamples = 2;  // a side of a pixel
-constexpr int kRun = 8;      // neighbouring samples that share a filter
+constexpr int kRun = 8;      // neighboring samples that share a filter
 constexpr int kMaxTaps = 4;  // of an oblique filter
 
 struct View {
@@ -71,12 +72,12 @@ Filter FilterAt(const ProjectedQuad& projected, double column, double row, doubl
   return filter;
 }
 
-// Colours of `count` neighbouring samples of a rectangle, all within one block of kRun columns. The filter is that of
+// Colors of `count` neighboring samples of a rectangle, all within one block of kRun columns. The filter is that of
 // the block's middle, whatever part of the block the rectangle covers: what stands before it must not change its
-// colours.
+// colors.
 void ShadeQuad(const Quad& quad, const ProjectedQuad& projected, int column, int row, int count, Float4* out) {
   const Texture& texture = *quad.texture;
-  const double per_s = texture.width() / quad.width;  // texels in a metre
+  const double per_s = texture.width() / quad.width;  // texels in a meter
   const double per_t = texture.height() / quad.height;
   const int block = column / kRun * kRun;
   const Filter filter = FilterAt(projected, block + 0.5 * (kRun - 1), row, per_s, per_t);
@@ -149,8 +150,8 @@ void ShadeRow(const View& view, const VisibilityBuffer& visible, int row, Float4
   }
 }
 
-// Colour and the samples' part of the mask.
-void DrawColour(const Scene& scene, const PinholeCamera& camera, const Rigid3& camera_from_world, Drawing& drawing) {
+// Color and the samples' part of the mask.
+void DrawColor(const Scene& scene, const PinholeCamera& camera, const Rigid3& camera_from_world, Drawing& drawing) {
   const View view(scene, camera, kSamples, camera_from_world);
   const VisibilityBuffer visible = ComputeVisibility(scene, view.quads, view.capsules, view.grid, camera_from_world);
   const auto row_samples = static_cast<std::size_t>(view.grid.width);
@@ -159,7 +160,7 @@ void DrawColour(const Scene& scene, const PinholeCamera& camera, const Rigid3& c
     for (int k = 0; k < kSamples; ++k) {
       ShadeRow(view, visible, kSamples * y + k, samples.data() + static_cast<std::size_t>(k) * row_samples);
     }
-    float* out = drawing.colour.data() + 3 * static_cast<std::ptrdiff_t>(y) * camera.width;
+    float* out = drawing.color.data() + 3 * static_cast<std::ptrdiff_t>(y) * camera.width;
     const std::uint16_t* surface = visible.surface.data() + static_cast<std::ptrdiff_t>(kSamples * y) * view.grid.width;
     for (int x = 0; x < camera.width; ++x) {
       const Float4* upper = samples.data() + 2 * x;
@@ -177,7 +178,7 @@ void DrawColour(const Scene& scene, const PinholeCamera& camera, const Rigid3& c
   }
 }
 
-// Depth, in double precision from the visible surface, and the centre rays' part of the mask.
+// Depth, in double precision from the visible surface, and the center rays' part of the mask.
 void DrawDepth(const Scene& scene, const PinholeCamera& camera, const Rigid3& camera_from_world, Drawing& drawing) {
   const View view(scene, camera, 1, camera_from_world);
   const VisibilityBuffer visible = ComputeVisibility(scene, view.quads, view.capsules, view.grid, camera_from_world);
@@ -203,7 +204,7 @@ Drawing Draw(const Scene& scene, const PinholeCamera& camera, const Rigid3& came
   const auto pixels = static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
   Drawing drawing{std::vector<float>(3 * pixels), std::vector<float>(pixels, 0.0F),
                   Image8(camera.width, camera.height)};
-  DrawColour(scene, camera, camera_from_world, drawing);
+  DrawColor(scene, camera, camera_from_world, drawing);
   DrawDepth(scene, camera, camera_from_world, drawing);
   return drawing;
 }

@@ -1,4 +1,5 @@
-// Draws a scene as a pinhole camera sees it: exact visibility, filtered colours.
+// SPDX-License-Identifier: Apache-2.0
+// Draws a scene as a pinhole camera sees it: exact visibility, filtered colors.
 #pragma once
 
 #include <cstdint>
@@ -11,14 +12,14 @@
 
 namespace rds::synthetic {
 
-// A drawn frame. Depth belongs to the ray through the pixel's centre; colour is the mean of 2 x 2 samples of the pixel.
+// A drawn frame. Depth belongs to the ray through the pixel's center; color is the mean of 2 x 2 samples of the pixel.
 struct Drawing {
-  std::vector<float> colour;   // blue, green, red for each pixel, 0 to 255
+  std::vector<float> color;    // blue, green, red for each pixel, 0 to 255
   std::vector<float> depth_m;  // 0 where nothing is seen
-  Image8 mask;                 // 255 where the centre ray or any of the four samples sees a mover
+  Image8 mask;                 // 255 where the center ray or any of the four samples sees a mover
 };
 
-// Surfaces nearer than a few centimetres are drawn as they are; there is no near plane. Deterministic. Thread-safe: no
+// Surfaces nearer than a few centimeters are drawn as they are; there is no near plane. Deterministic. Thread-safe: no
 // state.
 Drawing Draw(const Scene& scene, const PinholeCamera& camera, const Rigid3& camera_from_world);
 

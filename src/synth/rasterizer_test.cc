@@ -1,11 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "synth/rasterizer.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "testing/matchers.h"
 #include "synth/synthetic_options.h"
+#include "testing/matchers.h"
 
 namespace rds::synthetic {
 namespace {
@@ -32,8 +33,8 @@ TEST(Rasterizer, NearerSurfaceHidesTheOther) {
   EXPECT_FLOAT_EQ(DepthAt(drawing, camera, 100, 60), 2);
   EXPECT_FLOAT_EQ(DepthAt(drawing, camera, 60, 60), 3);
   EXPECT_FLOAT_EQ(DepthAt(drawing, camera, 0, 0), 0);  // the quads end before the image's corner
-  EXPECT_NEAR(drawing.colour[3 * (60 * 160 + 100)], 50, 1e-3);
-  EXPECT_NEAR(drawing.colour[3 * (60 * 160 + 60)], 200, 1e-3);
+  EXPECT_NEAR(drawing.color[3 * (60 * 160 + 100)], 50, 1e-3);
+  EXPECT_NEAR(drawing.color[3 * (60 * 160 + 60)], 200, 1e-3);
 }
 
 TEST(Rasterizer, BackSidesAreNotSeen) {
@@ -116,7 +117,7 @@ TEST(Rasterizer, FarTexturesAreFilteredNotSampled) {
   scene.quads[0].texture = std::make_shared<Texture>(canvas);
   const Drawing drawing = Draw(scene, camera, {});
   for (int x = 72; x < 88; ++x) {
-    EXPECT_NEAR(drawing.colour[static_cast<std::size_t>(3 * (60 * 160 + x))], 100, 8);
+    EXPECT_NEAR(drawing.color[static_cast<std::size_t>(3 * (60 * 160 + x))], 100, 8);
   }
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "synth/room.h"
 
 #include <algorithm>
@@ -12,17 +13,17 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kHalf = Room::kHalfSize;
-constexpr Colour kOak{92, 136, 178};
-constexpr Colour kWalnut{58, 82, 118};
-constexpr Colour kBirch{170, 205, 225};
-constexpr Colour kGrey{128, 126, 122};
-constexpr Colour kDark{58, 54, 52};
+constexpr Color kOak{92, 136, 178};
+constexpr Color kWalnut{58, 82, 118};
+constexpr Color kBirch{170, 205, 225};
+constexpr Color kGray{128, 126, 122};
+constexpr Color kDark{58, 54, 52};
 
 Painter Plain(void (*paint)(Canvas&, Random&)) { return paint; }
-Painter Coloured(void (*paint)(Canvas&, Random&, const Colour&), const Colour& colour) {
-  return [=](Canvas& canvas, Random& random) { paint(canvas, random, colour); };
+Painter Colored(void (*paint)(Canvas&, Random&, const Color&), const Color& color) {
+  return [=](Canvas& canvas, Random& random) { paint(canvas, random, color); };
 }
-BoxStyle Wooden(const Colour& colour) { return {Coloured(PaintWood, colour), Coloured(PaintWood, colour), {}}; }
+BoxStyle Wooden(const Color& color) { return {Colored(PaintWood, color), Colored(PaintWood, color), {}}; }
 
 // One of the four walls: `along` runs to the right as one looks at it from inside.
 struct Wall {
@@ -96,13 +97,13 @@ void BuildShell(RoomBuilder& builder) {
       0.004);
   builder.AddPanel({0, 0, Room::kHeight}, -z, y, 2 * kHalf, 2 * kHalf, Plain(PaintCeiling), 0.006);
   builder.AddPanel(kEast.At(0, 1.3, 0), kEast.normal, z, 2 * kHalf, Room::kHeight,
-                   Coloured(PaintWallpaper, {176, 200, 206}), 0.004);
+                   Colored(PaintWallpaper, {176, 200, 206}), 0.004);
   builder.AddPanel(kNorth.At(0, 1.3, 0), kNorth.normal, z, 2 * kHalf, Room::kHeight,
-                   Coloured(PaintPlaster, {196, 208, 206}), 0.004);
+                   Colored(PaintPlaster, {196, 208, 206}), 0.004);
   builder.AddPanel(kWest.At(0, 1.3, 0), kWest.normal, z, 2 * kHalf, Room::kHeight,
-                   Coloured(PaintWallpaper, {198, 186, 166}), 0.004);
+                   Colored(PaintWallpaper, {198, 186, 166}), 0.004);
   builder.AddPanel(kSouth.At(0, 1.3, 0), kSouth.normal, z, 2 * kHalf, Room::kHeight,
-                   Coloured(PaintPlaster, {168, 196, 218}), 0.004);
+                   Colored(PaintPlaster, {168, 196, 218}), 0.004);
   builder.AddPanel({-1.5, 0.2, 0.006}, z, y, 1.8, 2.6, Plain(PaintRug), 0.004);
   builder.AddPanel({1.9, -1.6, 0.006}, z, y, 1.4, 1.2, Plain(PaintRug), 0.004);
   for (const double x : {-1.5, 1.5}) {  // the lamps' glass
@@ -150,11 +151,11 @@ void BuildClutter(RoomBuilder& builder, const Eigen::Vector3d& center, const Eig
         const int books = 1 + static_cast<int>(random.Index(4));
         for (int book = 0; book < books; ++book) {
           const double thick = random.Uniform(0.02, 0.05);
-          const Colour cover = RandomColour(random, 0.2, 0.8, 0.25, 0.9);
+          const Color cover = RandomColor(random, 0.2, 0.8, 0.25, 0.9);
           builder.AddBox({{place.x(), place.y(), bottom + 0.5 * thick},
                           {0.95 * size, 0.7 * size, 0.5 * thick},
                           random.Uniform(0, 2 * kPi)},
-                         {Coloured(PaintFabric, cover), Coloured(PaintFabric, cover), Plain(PaintPoster)}, 0.002);
+                         {Colored(PaintFabric, cover), Colored(PaintFabric, cover), Plain(PaintPoster)}, 0.002);
           bottom += thick;
         }
       }
@@ -163,21 +164,21 @@ void BuildClutter(RoomBuilder& builder, const Eigen::Vector3d& center, const Eig
 }
 
 void BuildMonitor(RoomBuilder& builder, const Eigen::Vector3d& foot, double yaw) {
-  const BoxStyle black{Coloured(PaintFabric, kDark), Coloured(PaintFabric, kDark), {}};
+  const BoxStyle black{Colored(PaintFabric, kDark), Colored(PaintFabric, kDark), {}};
   builder.AddBox({foot + Eigen::Vector3d(0, 0, 0.01), {0.09, 0.12, 0.01}, yaw}, black);
   builder.AddBox({foot + Eigen::Vector3d(-0.04 * std::cos(yaw), -0.04 * std::sin(yaw), 0.1), {0.015, 0.03, 0.1}, yaw},
                  black);
-  BoxStyle screen{Plain(PaintScreen), Plain(PaintPoster), Coloured(PaintFabric, kDark)};
+  BoxStyle screen{Plain(PaintScreen), Plain(PaintPoster), Colored(PaintFabric, kDark)};
   screen.glows = true;
   builder.AddBox({foot + Eigen::Vector3d(0, 0, 0.27), {0.02, 0.28, 0.17}, yaw}, screen, 0.002);
   const Eigen::Vector3d before(std::cos(yaw), std::sin(yaw), 0);
   builder.AddBox({foot + 0.24 * before + Eigen::Vector3d(0, 0, 0.012), {0.075, 0.22, 0.012}, yaw},
-                 {Coloured(PaintFabric, kDark), Coloured(PaintFabric, kDark), Plain(PaintKeyboard)}, 0.002);
+                 {Colored(PaintFabric, kDark), Colored(PaintFabric, kDark), Plain(PaintKeyboard)}, 0.002);
 }
 
-void BuildTable(RoomBuilder& builder, const Eigen::Vector2d& center, const Eigen::Vector2d& half, const Colour& wood) {
+void BuildTable(RoomBuilder& builder, const Eigen::Vector2d& center, const Eigen::Vector2d& half, const Color& wood) {
   BoxStyle top = Wooden(wood);
-  top.top = Coloured(PaintPaperwork, wood);
+  top.top = Colored(PaintPaperwork, wood);
   builder.AddBox({{center.x(), center.y(), 0.72}, {half.x(), half.y(), 0.025}, 0}, top, 0.002);
   for (const double x : {-1.0, 1.0}) {
     for (const double y : {-1.0, 1.0}) {
@@ -189,8 +190,8 @@ void BuildTable(RoomBuilder& builder, const Eigen::Vector2d& center, const Eigen
 }
 
 void BuildChair(RoomBuilder& builder, const Eigen::Vector2d& place, double heading) {
-  const Colour cloth = RandomColour(builder.random(), 0.4, 0.8, 0.35, 0.75);
-  const BoxStyle fabric{Coloured(PaintFabric, cloth), Coloured(PaintFabric, cloth), {}};
+  const Color cloth = RandomColor(builder.random(), 0.4, 0.8, 0.35, 0.75);
+  const BoxStyle fabric{Colored(PaintFabric, cloth), Colored(PaintFabric, cloth), {}};
   const Eigen::Vector3d forward(std::cos(heading), std::sin(heading), 0);
   const Eigen::Vector3d base(place.x(), place.y(), 0);
   builder.AddBox({base + Eigen::Vector3d(0, 0, 0.43), {0.22, 0.22, 0.03}, heading}, fabric);
@@ -205,7 +206,7 @@ void BuildMiddle(RoomBuilder& builder) {
   BuildTable(builder, {0, 0}, {0.45, 0.9}, kOak);
   builder.AddBox({{-0.02, -0.6, 0.28}, {0.28, 0.2, 0.28}, kPi},
                  {[](Canvas& canvas, Random& random) { PaintCabinet(canvas, random, kBirch, 1, 3); },
-                  Coloured(PaintWood, kBirch),
+                  Colored(PaintWood, kBirch),
                   {}});
   BuildMonitor(builder, {0.14, 0.02, 0.745}, kPi + 0.1);
   BuildClutter(builder, {-0.22, -0.55, 0.745}, {0.2, 0.3}, 3, 0.22);
@@ -219,7 +220,7 @@ void BuildMiddle(RoomBuilder& builder) {
   BuildChair(builder, {0.05, -1.38}, kPi / 2);
 }
 
-void BuildShelf(RoomBuilder& builder, const Wall& wall, double right, double width, double height, const Colour& wood) {
+void BuildShelf(RoomBuilder& builder, const Wall& wall, double right, double width, double height, const Color& wood) {
   BoxStyle style = Wooden(wood);
   style.front = [wood](Canvas& canvas, Random& random) { PaintBookshelf(canvas, random, wood, 0.33); };
   style.has_back = false;
@@ -234,9 +235,9 @@ void BuildShelf(RoomBuilder& builder, const Wall& wall, double right, double wid
 }
 
 void BuildCabinet(RoomBuilder& builder, const Wall& wall, double right, double bottom, const Eigen::Vector3d& size,
-                  const Colour& colour, int columns, int rows) {
-  BoxStyle style = Wooden(colour);
-  style.front = [=](Canvas& canvas, Random& random) { PaintCabinet(canvas, random, colour, columns, rows); };
+                  const Color& color, int columns, int rows) {
+  BoxStyle style = Wooden(color);
+  style.front = [=](Canvas& canvas, Random& random) { PaintCabinet(canvas, random, color, columns, rows); };
   style.has_back = false;
   builder.AddBox(Against(wall, right, bottom, size.y(), size.x(), size.z()), style);
   if (bottom == 0 && size.z() < 1.3) {
@@ -263,7 +264,7 @@ void BuildEast(RoomBuilder& builder) {
 void BuildNorth(RoomBuilder& builder) {
   Hanger hanger(builder, kNorth);
   hanger.Hang(0.3, 1.6, 1.9, 1.25, Plain(PaintWindow), true);
-  BuildCabinet(builder, kNorth, 0.3, 0, {0.35, 2.0, 0.75}, kGrey, 4, 1);
+  BuildCabinet(builder, kNorth, 0.3, 0, {0.35, 2.0, 0.75}, kGray, 4, 1);
   BuildMonitor(builder, kNorth.At(-0.1, 0.75, 0.2), kNorth.Yaw());
   BuildShelf(builder, kNorth, -2.1, 1.1, 2.0, kOak);
   BuildCabinet(builder, kNorth, 2.12, 0, {0.5, 1.0, 1.9}, kWalnut, 2, 2);
@@ -279,8 +280,8 @@ void BuildWest(RoomBuilder& builder) {
   BuildMonitor(builder, {-2.8, 1.3, 0.745}, -0.1);
   BuildClutter(builder, {-2.7, 0.65, 0.745}, {0.2, 0.2}, 2, 0.25);
   BuildClutter(builder, {-2.7, 1.8, 0.745}, {0.2, 0.15}, 2, 0.25);
-  const Colour cloth{96, 84, 146};
-  const BoxStyle sofa{Coloured(PaintFabric, cloth), Coloured(PaintFabric, cloth), {}};
+  const Color cloth{96, 84, 146};
+  const BoxStyle sofa{Colored(PaintFabric, cloth), Colored(PaintFabric, cloth), {}};
   builder.AddBox(Against(kWest, -1.15, 0, 1.6, 0.85, 0.42), sofa);
   builder.AddBox(Against(kWest, -1.15, 0.42, 1.6, 0.22, 0.42), sofa);
   builder.AddSeat({{-2.48, -0.75}, 0.0});
@@ -299,7 +300,7 @@ void BuildSouth(RoomBuilder& builder) {
   hanger.Hang(-0.5, 1.2, 2.2, 0.6, [](Canvas& canvas, Random& random) {
     PaintTiles(canvas, random, {206, 214, 216}, 0.1);
   });
-  BuildCabinet(builder, kSouth, 2.1, 0, {0.5, 0.8, 2.0}, kGrey, 1, 3);
+  BuildCabinet(builder, kSouth, 2.1, 0, {0.5, 0.8, 2.0}, kGray, 1, 3);
   const auto door = [](Canvas& canvas, Random& random) { PaintCabinet(canvas, random, {206, 224, 232}, 1, 2); };
   hanger.Hang(1.15, 1.0, 0.9, 2.0, door);
   hanger.Reserve(2.1, 1.0, 0.9, 2.0);

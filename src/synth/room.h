@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The room of the synthetic world: walls, furniture, things on it.
 #pragma once
 
@@ -14,7 +15,7 @@ struct Seat {
   double heading = 0;
 };
 
-// World frame: z up, origin on the floor in the middle of the room, metres.
+// World frame: z up, origin on the floor in the middle of the room, meters.
 struct Room {
   static constexpr double kHalfSize = 3.0;  // in x and in y
   static constexpr double kHeight = 2.6;

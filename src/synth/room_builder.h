@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Collects boxes, panels and round things, then lights and paints them.
 #pragma once
 
@@ -26,11 +27,11 @@ class RoomBuilder {
 
   // Random numbers for layout; each surface has its own for painting.
   Random& random() { return random_; }
-  // A rectangle about `center` that faces along `normal`; its picture's upper border is towards `up`.
+  // A rectangle about `center` that faces along `normal`; its picture's upper border is toward `up`.
   void AddPanel(const Eigen::Vector3d& center, const Eigen::Vector3d& normal, const Eigen::Vector3d& up, double width,
                 double height, Painter painter, double texel_m = 0.0025, bool glows = false);
   void AddBox(const Box& box, const BoxStyle& style, double texel_m = 0.0025);
-  // Upright cylinder, flat or rounded at its ends over `rounding` metres; lit by its normal.
+  // Upright cylinder, flat or rounded at its ends over `rounding` meters; lit by its normal.
   void AddCylinder(const Eigen::Vector3d& bottom, double radius, double height, double rounding,
                    const Painter& painter);
   void AddBall(const Eigen::Vector3d& center, double radius, const Painter& painter);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a synthetic scene is made of: textured rectangles and squashed capsules, and boxes for checks and shadows.
 #pragma once
 
@@ -11,7 +12,7 @@
 namespace rds::synthetic {
 
 // A textured rectangle: points corner + s * right + t * down, s in [0, width], t in [0, height]. Seen from the side
-// that `normal` = down x right points to. `right` and `down` are orthogonal unit vectors; world frame, metres.
+// that `normal` = down x right points to. `right` and `down` are orthogonal unit vectors; world frame, meters.
 struct Quad {
   Eigen::Vector3d corner;
   Eigen::Vector3d right;
@@ -28,7 +29,7 @@ struct Quad {
 // over -y, its y goes from +z to -z. Lit by its normal.
 struct Capsule {
   Eigen::Vector3d center;
-  Eigen::Matrix3d axes;                    // orthogonal columns, lengths in metres
+  Eigen::Matrix3d axes;                    // orthogonal columns, lengths in meters
   double half_length = 0;                  // h, in units of the z axis
   std::shared_ptr<const Texture> texture;  // wraps in x
   bool is_mover = false;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a synthetic world shows and how its camera moves.
 #pragma once
 
@@ -36,7 +37,7 @@ struct SyntheticOptions {
   SyntheticPath path = SyntheticPath::kOrbit;
   int frames = 300;  // >= 1, at 30 Hz
   std::uint64_t seed = 1;
-  bool noise = true;  // sensor noise of colour and depth; without, both are exact at any range
+  bool noise = true;  // sensor noise of color and depth; without, both are exact at any range
   int movers = -1;    // 0 to 12; -1: as many as the scenario has of itself
 };
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "synth/synthetic_sequence.h"
 
 #include <fcntl.h>
@@ -52,7 +53,7 @@ std::vector<unsigned char> EncodePng(const Image<T>& image, int type) {
 }
 
 struct EncodedFrame {
-  std::array<std::vector<unsigned char>, 3> images;  // colour, depth, mask
+  std::array<std::vector<unsigned char>, 3> images;  // color, depth, mask
   StampedPose truth;
 };
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Writes a synthetic world to disk in the layout of the TUM RGB-D benchmark.
 #pragma once
 

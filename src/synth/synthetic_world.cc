@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "synth/synthetic_world.h"
 
 #include <algorithm>
@@ -62,9 +63,9 @@ SyntheticFrame SyntheticWorld::Render(int index) const {
   const std::uint64_t seed = (impl_->options.seed * 0x9E3779B97F4A7C15ULL) ^ (static_cast<std::uint64_t>(index) << 20);
   frame.rgbd.timestamp_s = time_s;
   frame.rgbd.image = std::make_shared<const Image8>(
-      synthetic::MeasureColour(drawing.colour, camera, noise ? synthetic::kColourSigma : 0.0, seed));
+      synthetic::MeasureColor(drawing.color, camera, noise ? synthetic::kColorSigma : 0.0, seed));
   frame.rgbd.depth = std::make_shared<const Image16>(noise ? synthetic::MeasureDepth(drawing.depth_m, camera, {}, seed)
-                                                           : synthetic::QuantiseDepth(drawing.depth_m, camera));
+                                                           : synthetic::QuantizeDepth(drawing.depth_m, camera));
   frame.mask = std::make_shared<const Image8>(std::move(drawing.mask));
   return frame;
 }

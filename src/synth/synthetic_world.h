@@ -1,18 +1,19 @@
-// An exact dynamic RGB-D world: a textured room, people in it, a moving camera; colour, depth, masks, ground truth.
+// SPDX-License-Identifier: Apache-2.0
+// An exact dynamic RGB-D world: a textured room, people in it, a moving camera; color, depth, masks, ground truth.
 #pragma once
 
 #include <memory>
 
-#include "system/frame.h"
 #include "synth/synthetic_options.h"
+#include "system/frame.h"
 
 namespace rds {
 
 // One rendered frame with its truth.
 struct SyntheticFrame {
   RgbdFrame rgbd;                      // BGR; depth in units of camera.depth_scale, 0 = none
-  std::shared_ptr<const Image8> mask;  // 255 where a mover is seen by the pixel's depth or by any part of its colour
-  Rigid3 world_from_camera;            // world: z up, origin on the floor in the middle of the room, metres
+  std::shared_ptr<const Image8> mask;  // 255 where a mover is seen by the pixel's depth or by any part of its color
+  Rigid3 world_from_camera;            // world: z up, origin on the floor in the middle of the room, meters
 };
 
 // Renders frames of a seeded scene. Room and camera path depend on seed and path only, so the same options with movers
@@ -34,8 +35,8 @@ class SyntheticWorld {
   [[nodiscard]] double TimestampS(int index) const;
   [[nodiscard]] Rigid3 WorldFromCamera(int index) const;
 
-  // Distance of the camera's centre from the nearest piece of room or furniture (static), and from the nearest body
-  // part of a mover (infinite without movers), in metres; for checks.
+  // Distance of the camera's center from the nearest piece of room or furniture (static), and from the nearest body
+  // part of a mover (infinite without movers), in meters; for checks.
   [[nodiscard]] double StaticClearanceM(int index) const;
   [[nodiscard]] double MoverClearanceM(int index) const;
 

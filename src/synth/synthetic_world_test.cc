@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "synth/synthetic_world.h"
 
 #include <gtest/gtest.h>
@@ -62,7 +63,7 @@ TEST(SyntheticWorld, TimestampsAreThirtyHertz) {
   EXPECT_THROW((void)world.Render(-1), InvariantError);
 }
 
-// Least and greatest depth of the 3 x 3 pixels about one, metres; only of one surface, as steps of 3 % tell.
+// Least and greatest depth of the 3 x 3 pixels about one, meters; only of one surface, as steps of 3 % tell.
 struct Range {
   double least_m = 0;
   double greatest_m = 0;
@@ -83,7 +84,7 @@ std::optional<Range> DepthsAbout(const Image16& depth, const PinholeCamera& came
   return Range{least / camera.depth_scale, greatest / camera.depth_scale};
 }
 
-double GreyAt(const Image8& image, double x, double y) {
+double GrayAt(const Image8& image, double x, double y) {
   const int x0 = static_cast<int>(std::floor(x));
   const int y0 = static_cast<int>(std::floor(y));
   double sum = 0;
@@ -96,7 +97,7 @@ double GreyAt(const Image8& image, double x, double y) {
 
 class EveryPath : public testing::TestWithParam<SyntheticPath> {};
 
-// Points of one frame, moved by the true poses, must be found in another frame with the depth and the colour predicted.
+// Points of one frame, moved by the true poses, must be found in another frame with the depth and the color predicted.
 TEST_P(EveryPath, GroundTruthCarriesOneFrameIntoAnother) {
   SyntheticOptions options = Small(SyntheticScenario::kWalking, GetParam());
   options.noise = false;
@@ -108,7 +109,7 @@ TEST_P(EveryPath, GroundTruthCarriesOneFrameIntoAnother) {
   const Rigid3 to_from_from = to.world_from_camera.Inverse() * from.world_from_camera;
   int compared = 0;
   int depth_off = 0;
-  double grey_error = 0;
+  double gray_error = 0;
   for (int y = 0; y < camera.height; ++y) {
     for (int x = 0; x < camera.width; ++x) {
       if (from.mask->At(x, y) != 0) {
@@ -126,12 +127,12 @@ TEST_P(EveryPath, GroundTruthCarriesOneFrameIntoAnother) {
       ++compared;
       depth_off += point.z() < found->least_m - 0.001 || point.z() > found->greatest_m + 0.001 ? 1 : 0;
       const std::uint8_t* bgr = from.rgbd.image->Row(y) + 3 * x;
-      grey_error += std::abs(GreyAt(*to.rgbd.image, pixel.x(), pixel.y()) - (bgr[0] + bgr[1] + bgr[2]) / 3.0);
+      gray_error += std::abs(GrayAt(*to.rgbd.image, pixel.x(), pixel.y()) - (bgr[0] + bgr[1] + bgr[2]) / 3.0);
     }
   }
   EXPECT_GT(compared, 25000);
   EXPECT_LT(depth_off, 0.003 * compared);
-  EXPECT_LT(grey_error / compared, 5.0);
+  EXPECT_LT(gray_error / compared, 5.0);
 }
 
 TEST_P(EveryPath, HasManyWellSpreadCorners) {
@@ -143,17 +144,17 @@ TEST_P(EveryPath, HasManyWellSpreadCorners) {
   for (const int i : {0, 240, 480}) {
     const SyntheticFrame frame = world.Render(i);
     const cv::Mat bgr(480, 640, CV_8UC3, const_cast<std::uint8_t*>(frame.rgbd.image->data.data()));
-    cv::Mat grey;
-    cv::cvtColor(bgr, grey, cv::COLOR_BGR2GRAY);
+    cv::Mat gray;
+    cv::cvtColor(bgr, gray, cv::COLOR_BGR2GRAY);
     std::vector<cv::KeyPoint> corners;
-    cv::FAST(grey, corners, 20);
+    cv::FAST(gray, corners, 20);
     EXPECT_GT(corners.size(), 600U) << "frame " << i;
     std::vector<int> cells(48);
     for (const cv::KeyPoint& corner : corners) {
       ++cells[static_cast<std::size_t>(static_cast<int>(corner.pt.y) / 80 * 8 + static_cast<int>(corner.pt.x) / 80)];
     }
     EXPECT_GT(std::count_if(cells.begin(), cells.end(), [](int n) { return n >= 3; }), 30) << "frame " << i;
-    const cv::Scalar mean = cv::mean(grey);
+    const cv::Scalar mean = cv::mean(gray);
     EXPECT_GT(mean[0], 60) << "frame " << i;
     EXPECT_LT(mean[0], 190) << "frame " << i;
   }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "synth/texture.h"
 
 #include <cmath>
@@ -16,8 +17,8 @@ Texture::Texture(const Canvas& canvas, bool wrap_x) : wrap_x_(wrap_x) {
   finest.texels.reserve(static_cast<std::size_t>(finest.width) * static_cast<std::size_t>(finest.height));
   for (int y = 0; y < finest.height; ++y) {
     for (int x = 0; x < finest.width; ++x) {
-      const Colour& colour = canvas.At(x, y);
-      finest.texels.push_back({ToByte(colour.b), ToByte(colour.g), ToByte(colour.r), 0});
+      const Color& color = canvas.At(x, y);
+      finest.texels.push_back({ToByte(color.b), ToByte(color.g), ToByte(color.r), 0});
     }
   }
   levels_.push_back(std::move(finest));

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Mip-mapped textures.
 #pragma once
 
@@ -24,7 +25,7 @@ class Texture {
   [[nodiscard]] float width() const { return static_cast<float>(levels_.front().width); }
   [[nodiscard]] float height() const { return static_cast<float>(levels_.front().height); }
 
-  // Colour at a place in texels of the finest level (texel i covers [i, i + 1)); `lod` is the base-2 logarithm of the
+  // Color at a place in texels of the finest level (texel i covers [i, i + 1)); `lod` is the base-2 logarithm of the
   // filter's width in texels.
   [[nodiscard]] Float4 Sample(float x, float y, float lod) const {
     if (lod <= 0) {

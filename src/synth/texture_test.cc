@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "synth/texture.h"
 
 #include <gtest/gtest.h>
@@ -19,10 +20,10 @@ TEST(Texture, ReadsAPlaceInTexelsOfTheFinestLevel) {
   const Texture texture(Ramp(64));
   // The middle of texel (20, 31) is at (20.5, 31.5).
   for (const float lod : {-3.0F, 0.0F, 0.7F, 1.0F, 2.4F}) {
-    const Float4 colour = texture.Sample(20.5F, 31.5F, lod);
-    EXPECT_NEAR(colour[0], 2 * 20 + 10, 0.6) << lod;
-    EXPECT_NEAR(colour[1], 31 + 20, 0.6) << lod;
-    EXPECT_NEAR(colour[2], 200, 0.01) << lod;
+    const Float4 color = texture.Sample(20.5F, 31.5F, lod);
+    EXPECT_NEAR(color[0], 2 * 20 + 10, 0.6) << lod;
+    EXPECT_NEAR(color[1], 31 + 20, 0.6) << lod;
+    EXPECT_NEAR(color[2], 200, 0.01) << lod;
   }
 }
 

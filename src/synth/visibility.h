@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Visible surfaces by inverse depth: rectangles by spans, capsules by solving for the ray.
 #pragma once
 
@@ -28,13 +29,13 @@ struct SampleGrid {
   double step_x = 0;
   double step_y = 0;
 
-  // `factor` x `factor` samples a pixel, centred in its parts; 1 gives the pixels' centres.
+  // `factor` x `factor` samples a pixel, centered in its parts; 1 gives the pixels' centers.
   SampleGrid(const PinholeCamera& camera, int factor);
   // The linear function with the value ray . v at each sample.
   [[nodiscard]] Linear Dot(const Eigen::Vector3d& v) const;
 };
 
-// A rectangle seen from a camera: w is the inverse depth, s / w and t / w are the place on it in metres.
+// A rectangle seen from a camera: w is the inverse depth, s / w and t / w are the place on it in meters.
 struct ProjectedQuad {
   Linear s, t, w;
   bool visible = false;  // the camera is on its front side

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "synth/walk_planner.h"
 
 #include <algorithm>
@@ -192,7 +193,7 @@ double Planner::LegScore(const Leg& leg, double begin_s, const std::vector<Mover
   }
   const double start = SightOf(leg.from, leg.departure_s).tangent;
   const double end = SightOf(leg.to, leg.arrival_s).tangent;
-  return sum / count + 0.35 * std::min(1.0, std::abs(start - end));  // walking across is worth more than towards
+  return sum / count + 0.35 * std::min(1.0, std::abs(start - end));  // walking across is worth more than toward
 }
 
 Eigen::Vector2d Planner::Candidate(double time_s, Random& random) const {

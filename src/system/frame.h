@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What goes into the system and what comes out for each frame.
 #pragma once
 
@@ -15,13 +16,13 @@ namespace rds {
 // One registered RGB-D frame. Images are shared, never copied or changed.
 struct RgbdFrame {
   double timestamp_s = 0;                // strictly increasing from frame to frame
-  std::shared_ptr<const Image8> image;   // BGR or grey, 8 bit
+  std::shared_ptr<const Image8> image;   // BGR or gray, 8 bit
   std::shared_ptr<const Image16> depth;  // of the same size; units of PinholeCamera::depth_scale
 };
 
 enum class TrackingState : std::uint8_t { kNotInitialized, kTracked, kLost };
 
-// Class of a keypoint after tracking; colours of the paper's figures 12, 13, 15.
+// Class of a keypoint after tracking; colors of the paper's figures 12, 13, 15.
 enum class FeatureState : std::uint8_t {
   kUnmatched,
   kStatic,    // matched to a static point and used (blue)
@@ -40,7 +41,7 @@ struct FrameTiming {
   double total_ms = 0;
   double extraction_ms = 0;
   double matching_ms = 0;   // motion model or reference keyframe: search
-  double pose_ms = 0;       // pose optimisations
+  double pose_ms = 0;       // pose optimizations
   double local_map_ms = 0;  // projecting and searching the local map
   double cpu_ms = 0;        // CPU time of the calling thread
 };
@@ -54,7 +55,7 @@ struct FrameResult {
   bool is_keyframe = false;
   int static_matches = 0;                    // used for the pose
   int unknown_matches = 0;                   // used for the pose
-  int rejected_matches = 0;                  // dynamic, or outliers of the pose optimisation
+  int rejected_matches = 0;                  // dynamic, or outliers of the pose optimization
   std::optional<int> semantic_delay_frames;  // d of the paper's equation 1; absent before the first label
   int keyframes_in_map = 0;
   int points_in_map = 0;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "system/frame_report.h"
 
 #include <string>
@@ -54,8 +55,8 @@ void FillFrameResult(const TrackOutcome& outcome, const FrameData& data, const P
     ++(match.state == PointState::kStatic ? result->static_matches : result->unknown_matches);
   }
   result->rejected_matches = static_cast<int>(outcome.rejected.size());
-  if (const std::int64_t labelled = pipeline.newest_labelled(); labelled >= 0) {
-    result->semantic_delay_frames = static_cast<int>(static_cast<std::int64_t>(result->frame.value) - labelled);
+  if (const std::int64_t labeled = pipeline.newest_labeled(); labeled >= 0) {
+    result->semantic_delay_frames = static_cast<int>(static_cast<std::int64_t>(result->frame.value) - labeled);
   }
   if (const auto map = pipeline.CurrentLocalMap()) {
     result->keyframes_in_map = map->keyframes_in_map;

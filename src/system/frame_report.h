@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What goes in is checked, what comes out is filled in: the two ends of Slam::Process.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "system/lanes.h"
 
 #include <utility>
@@ -40,7 +41,7 @@ void RunSemantics(Shared& shared, const SemanticOptions& options) {
       }
     }
     for (auto& request : requests) {
-      const LabelledRound round = shared.pipeline.Segment(std::move(request));
+      const LabeledRound round = shared.pipeline.Segment(std::move(request));
       if (shared.waiting.Read([](const Waiting& waiting) { return waiting.closing; })) {
         return;
       }

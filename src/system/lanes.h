@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The threads of the threaded executor: what they share and what each runs.
 #pragma once
 
@@ -22,7 +23,7 @@ struct Waiting {
   explicit Waiting(std::size_t capacity) : backlog(capacity) {}
 
   Backlog backlog;
-  int dropped = 0;         // left unlabelled for want of room
+  int dropped = 0;         // left unlabeled for want of room
   bool in_flight = false;  // a round is being segmented
   bool closing = false;
 };

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A table of named, bounded and explained options, bound to the variables that hold them.
 #pragma once
 

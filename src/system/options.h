@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // All options of the system: one struct a module, gathered here; and the table that names, bounds and explains them.
 //
 // To add an option: a member with its default in its module's struct, and one line in BindOptions (options.cc).
@@ -8,13 +9,13 @@
 
 #include "feature/orb.h"
 #include "map/local_map.h"
+#include "map/moving_probability.h"
 #include "mapping/local_mapper.h"
 #include "optim/pose_optimizer.h"
-#include "semantic/backlog.h"
 #include "propagation/free_space.h"
-#include "propagation/label_field.h"
-#include "map/moving_probability.h"
+#include "propagation/label_propagation.h"
 #include "segmentation/segmenter_factory.h"
+#include "semantic/backlog.h"
 #include "semantic/semantic_optimizer.h"
 #include "system/option_table.h"
 #include "tracking/tracker.h"
@@ -30,14 +31,14 @@ struct SystemOptions {
 
 struct SemanticOptions {
   SelectionMode selection = SelectionMode::kBidirectional;
-  int per_round = 2;                  // keyframes selected in a round
-  bool batch = true;                  // in one request, or one by one
-  int backlog = 60;                   // images of unlabelled keyframes kept at most
-  int start_frames = 30;              // frames at most that the first keyframe stays alone for want of a label
-  int dilation_px = 15;               // radius at an image width of 640
-  double complete_step_depth = 0.04;  // unsure pixels join dynamic ones over steps in depth of at most this share
+  int per_round = 2;                    // keyframes selected in a round
+  bool batch = true;                    // in one request, or one by one
+  int backlog = 60;                     // images of unlabeled keyframes kept at most
+  int start_frames = 30;                // frames at most that the first keyframe stays alone for want of a label
+  int dilation_px = 15;                 // radius at an image width of 640
+  double completion_step_ratio = 0.04;  // unsure pixels join dynamic ones over steps in depth of at most this share
   FreeSpaceOptions free_space;
-  double max_mask_share = 0.95;   // a mask that covers more says nothing
+  double max_mask_ratio = 0.95;   // a mask that covers more says nothing
   double finish_timeout_s = 5;    // for labels still missing when the sequence ends
   double cancel_timeout_s = 2;    // for a back end to give up when asked to
   int lockstep_delay_frames = 6;  // lockstep: frames between a request and its labels
@@ -50,7 +51,7 @@ struct Options {
   OrbOptions orb;
   PoseOptimizerOptions pose;
   TrackerOptions tracking;
-  LabelCarryOptions carry;
+  PropagationOptions propagation;
   LocalMapOptions local_map;
   MappingOptions mapping;
   SemanticOptions semantic;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "system/options.h"
 
 #include <gmock/gmock.h>
@@ -108,15 +109,15 @@ TEST(Options, ValidateFindsWhatCodeSet) {
 }
 
 TEST(OptionTable, ChoiceTakesNamesOnly) {
-  enum class Colour { kRed, kGreen, kBlue } colour = Colour::kGreen;
+  enum class Color { kRed, kGreen, kBlue } color = Color::kGreen;
   OptionTable table;
-  table.Choice("a.colour", colour, {{"red", Colour::kRed}, {"green", Colour::kGreen}, {"blue", Colour::kBlue}}, "hue");
-  const OptionEntry& entry = table.Find("a.colour");
+  table.Choice("a.color", color, {{"red", Color::kRed}, {"green", Color::kGreen}, {"blue", Color::kBlue}}, "hue");
+  const OptionEntry& entry = table.Find("a.color");
   EXPECT_EQ(entry.get(), "green");
   EXPECT_EQ(entry.range, "red, green or blue");
   entry.set("blue");
-  EXPECT_EQ(colour, Colour::kBlue);
-  EXPECT_THAT(InputErrorOf([&] { entry.set("pink"); }), AllOf(HasSubstr("a.colour"), HasSubstr("red, green or blue")));
+  EXPECT_EQ(color, Color::kBlue);
+  EXPECT_THAT(InputErrorOf([&] { entry.set("pink"); }), AllOf(HasSubstr("a.color"), HasSubstr("red, green or blue")));
 }
 
 TEST(OptionTable, SameKeyTwiceIsABug) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "system/pipeline.h"
 
 #include <spdlog/fmt/fmt.h>
@@ -8,9 +9,9 @@
 
 #include "base/log.h"
 #include "base/time.h"
-#include "semantic/evidence.h"
-#include "segmentation/mask.h"
 #include "propagation/mask_completion.h"
+#include "segmentation/mask.h"
+#include "semantic/evidence.h"
 
 namespace rds {
 namespace {
@@ -36,7 +37,7 @@ void Pipeline::PublishAround(KeyframeId keyframe) {
       world_.Read([&](const World& world) { return BuildLocalMap(world.map, keyframe, options_.local_map); }));
 }
 
-void Pipeline::MapKeyframe(const KeyframeCandidate& candidate, const std::function<bool()>& hurry) {
+void Pipeline::MapKeyframe(const KeyframeCandidate& candidate, const std::function<bool()>& should_stop) {
   std::vector<KeypointLabel> early;
   const KeyframeId id = world_.Write([&](World& world) {
     if (auto found = world.early_labels.extract(candidate.frame)) {
@@ -49,8 +50,8 @@ void Pipeline::MapKeyframe(const KeyframeCandidate& candidate, const std::functi
   }
   PublishAround(id);
   world_.Write([&](World& world) { mapper_.Refine(world.map, id); });
-  if (!hurry()) {
-    AdjustLocally(id, hurry);
+  if (!should_stop()) {
+    AdjustLocally(id, should_stop);
     world_.Write([&](World& world) { mapper_.CullKeyframes(world.map, id); });
   }
   world_.Write([&](World& world) { probabilities_.Release(world.map.TakeFreedPointPages()); });
@@ -58,7 +59,7 @@ void Pipeline::MapKeyframe(const KeyframeCandidate& candidate, const std::functi
   PublishView();
 }
 
-void Pipeline::AdjustLocally(KeyframeId keyframe, const std::function<bool()>& hurry) {
+void Pipeline::AdjustLocally(KeyframeId keyframe, const std::function<bool()>& should_stop) {
   const Stopwatch watch;
   const LocalBundle bundle = world_.Read([&](const World& world) {
     return CopyLocalBundle(world.map, keyframe, HasSegmenter(), probabilities_, options_.semantic.probability,
@@ -67,15 +68,15 @@ void Pipeline::AdjustLocally(KeyframeId keyframe, const std::function<bool()>& h
   if (!bundle.worthwhile) {
     return;
   }
-  const BundleResult result = AdjustBundle(bundle.problem, options_.mapping.bundle.solver, hurry);
+  const BundleResult result = AdjustBundle(bundle.problem, options_.mapping.bundle.solver, should_stop);
   if (result.usable) {
     world_.Write([&](World& world) { ApplyLocalBundle(world.map, bundle, result); });
   }
-  figures_.Write([&](Figures& figures) { figures.local_ba_ms.push_back(watch.Milliseconds()); });
+  metrics_.Write([&](Metrics& figures) { figures.local_ba_ms.push_back(watch.Milliseconds()); });
 }
 
-LabelledRound Pipeline::Segment(std::vector<BacklogItem> items) {
-  LabelledRound round;
+LabeledRound Pipeline::Segment(std::vector<BacklogItem> items) {
+  LabeledRound round;
   std::vector<SegmentationInput> inputs;
   for (const BacklogItem& item : items) {
     inputs.push_back({item.frame, item.timestamp_s, item.image});
@@ -100,13 +101,13 @@ LabelledRound Pipeline::Segment(std::vector<BacklogItem> items) {
       continue;
     }
     const Image8& image = *round.items[i].image;
-    if (const auto problem = MaskProblem(mask, image.width, image.height, options_.semantic.max_mask_share)) {
+    if (const auto problem = MaskProblem(mask, image.width, image.height, options_.semantic.max_mask_ratio)) {
       ++round.failures;
       WarnOfSegmentation(
           fmt::format("unusable mask of frame {} ({}): {}", round.items[i].frame.value, segmenter_->Name(), *problem));
       mask = {};
     } else {
-      CompleteMask(round.items[i].data->depth_grid(), options_.semantic.complete_step_depth, mask);
+      CompleteMask(round.items[i].data->depth_grid(), options_.semantic.completion_step_ratio, mask);
       mask = Dilate(mask, DilationRadius(image.width, options_.semantic.dilation_px));
     }
     round.items[i].image.reset();  // used up
@@ -125,7 +126,7 @@ void Pipeline::WarnOfSegmentation(const std::string& text) {
   }
 }
 
-void Pipeline::ApplyRound(const LabelledRound& round) {
+void Pipeline::ApplyRound(const LabeledRound& round) {
   std::vector<LabelEvent> events;
   std::vector<std::size_t> fronts;  // of `events`
   for (std::size_t i = 0; i < round.items.size(); ++i) {
@@ -141,23 +142,23 @@ void Pipeline::ApplyRound(const LabelledRound& round) {
   if (options_.semantic.optimizer.enabled) {
     for (const std::size_t front : fronts) {
       const Stopwatch watch;
-      OptimizeFrom(events[front].labelled_frame);
-      events[front].optimisation_ms = watch.Milliseconds();
+      OptimizeFrom(events[front].labeled_frame);
+      events[front].optimization_ms = watch.Milliseconds();
     }
   }
-  ShowLabelled(round);
-  figures_.Write([&](Figures& figures) {
+  PublishLabeledViews(round);
+  metrics_.Write([&](Metrics& figures) {
     figures.labels.insert(figures.labels.end(), events.begin(), events.end());
     figures.segmentation_failures += round.failures;
   });
   PublishView();
 }
 
-void Pipeline::AddMovedIn(FrameId frame, std::vector<KeypointLabel>& labels) const {
+void Pipeline::AddFreeSpaceViolations(FrameId frame, std::vector<KeypointLabel>& labels) const {
   struct Question {
     std::shared_ptr<const FrameData> data;
     Rigid3 camera_from_world;
-    std::vector<SeenView> views;
+    std::vector<DepthView> views;
   };
   if (!options_.semantic.free_space.enabled) {
     return;
@@ -170,15 +171,15 @@ void Pipeline::AddMovedIn(FrameId frame, std::vector<KeypointLabel>& labels) con
     return Question{keyframe->data, keyframe->camera_from_world, EarlierViews(world.map, keyframe->id)};
   });
   if (question) {
-    LabelMovedIn(
+    MarkNewlyOccupied(
         *question->data,
-        JudgeBySpace(*question->data, question->camera_from_world, question->views, options_.semantic.free_space),
+        CheckFreeSpace(*question->data, question->camera_from_world, question->views, options_.semantic.free_space),
         labels);
   }
 }
 
 void Pipeline::ApplyToMap(FrameId frame, std::vector<KeypointLabel> labels) {
-  AddMovedIn(frame, labels);
+  AddFreeSpaceViolations(frame, labels);
   world_.Write([&](World& world) {
     const Keyframe* const keyframe = FindByFrame(world.map, frame);
     if (keyframe != nullptr) {
@@ -189,20 +190,20 @@ void Pipeline::ApplyToMap(FrameId frame, std::vector<KeypointLabel> labels) {
   });
 }
 
-void Pipeline::ShowLabelled(const LabelledRound& round) {
+void Pipeline::PublishLabeledViews(const LabeledRound& round) {
   for (std::size_t i = 0; i < round.items.size(); ++i) {
     if (!round.masks[i].empty()) {
       const BacklogItem& item = round.items[i];
-      labelled_.push_back(MakeView(item.frame, item.data, {}, LabelGrid(*item.data, round.masks[i])));
+      labeled_.push_back(MakeView(item.frame, item.data, {}, LabelGrid(*item.data, round.masks[i])));
     }
   }
-  std::ranges::sort(labelled_, std::ranges::greater(), &SeenView::frame);
-  if (labelled_.size() > kFreeSpaceViews) {
-    labelled_.resize(kFreeSpaceViews);
+  std::ranges::sort(labeled_, std::ranges::greater(), &DepthView::frame);
+  if (labeled_.size() > kFreeSpaceViews) {
+    labeled_.resize(kFreeSpaceViews);
   }
-  auto views = std::make_shared<std::vector<SeenView>>(labelled_);
+  auto views = std::make_shared<std::vector<DepthView>>(labeled_);
   world_.Read([&](const World& world) {  // the poses as they are now; a keyframe may be gone or not be there yet
-    std::erase_if(*views, [&](SeenView& view) {
+    std::erase_if(*views, [&](DepthView& view) {
       const Keyframe* const keyframe = FindByFrame(world.map, view.frame);
       if (keyframe != nullptr) {
         view.camera_from_world = keyframe->camera_from_world;
@@ -217,11 +218,11 @@ LabelEvent Pipeline::ApplyMask(const BacklogItem& item, const Image8& mask) {
   const Stopwatch watch;
   ApplyToMap(item.frame, LabelKeypoints(*item.data, mask));
   LabelEvent event;
-  event.labelled_frame = item.frame;
+  event.labeled_frame = item.frame;
   event.current_frame = FrameId{current_frame_.load(std::memory_order_relaxed)};
   event.update_ms = watch.Milliseconds();
-  if (newest_labelled() < static_cast<std::int64_t>(item.frame.value)) {
-    newest_labelled_.store(item.frame.value, std::memory_order_relaxed);
+  if (newest_labeled() < static_cast<std::int64_t>(item.frame.value)) {
+    newest_labeled_.store(item.frame.value, std::memory_order_relaxed);
     mask_.Publish(std::make_shared<const MaskView>(MaskView{item.frame, std::make_shared<const Image8>(mask)}));
   }
   return event;
@@ -298,7 +299,7 @@ void Pipeline::FillResult(SlamResult* result) const {
       result->keyframes.push_back({keyframe.timestamp_s, keyframe.camera_from_world.Inverse()});
     }
   });
-  figures_.Read([&](const Figures& figures) {
+  metrics_.Read([&](const Metrics& figures) {
     result->local_ba_ms = figures.local_ba_ms;
     result->labels = figures.labels;
     result->segmentation_failures = figures.segmentation_failures;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The phases that both executors run: what happens to a keyframe, and to a label.
 #pragma once
 
@@ -12,8 +13,8 @@
 #include "mapping/local_mapper.h"
 #include "runtime/guarded.h"
 #include "runtime/published.h"
-#include "semantic/backlog.h"
 #include "segmentation/segmenter.h"
+#include "semantic/backlog.h"
 #include "system/options.h"
 #include "system/slam.h"
 
@@ -28,7 +29,7 @@ struct World {
 };
 
 // Masks of one round, dilated; empty = unusable.
-struct LabelledRound {
+struct LabeledRound {
   std::vector<BacklogItem> items;
   std::vector<Image8> masks;  // one for each item
   double segmentation_ms = 0;
@@ -43,26 +44,26 @@ class Pipeline {
  public:
   Pipeline(const Options& options, const ScalePyramid& pyramid, std::shared_ptr<Segmenter> segmenter);
 
-  // Mapping. Inserts the keyframe and publishes; then, unless `hurry()` says that another one waits, refines, adjusts,
-  // culls and publishes again.
-  void MapKeyframe(const KeyframeCandidate& candidate, const std::function<bool()>& hurry);
+  // Mapping. Inserts the keyframe and publishes; then, unless `should_stop()` says that another one waits, refines,
+  // adjusts, culls and publishes again.
+  void MapKeyframe(const KeyframeCandidate& candidate, const std::function<bool()>& should_stop);
 
   // Semantics. Asks the back end for masks and dilates them; never throws what the back end throws.
-  [[nodiscard]] LabelledRound Segment(std::vector<BacklogItem> items);
+  [[nodiscard]] LabeledRound Segment(std::vector<BacklogItem> items);
   // Labels keypoints, updates probabilities, corrects poses of keyframes from the front of the backlog.
-  void ApplyRound(const LabelledRound& round);
+  void ApplyRound(const LabeledRound& round);
 
   [[nodiscard]] bool HasSegmenter() const { return segmenter_ != nullptr; }
   void CancelSegmenter();
 
   [[nodiscard]] std::shared_ptr<const LocalMap> CurrentLocalMap() const { return local_map_.Get(); }
   [[nodiscard]] const MovingProbabilities& probabilities() const { return probabilities_; }
-  // The newest labelled keyframes with their poses, newest first; null before the first label.
-  [[nodiscard]] std::shared_ptr<const std::vector<SeenView>> LabelledViews() const { return views_.Get(); }
+  // The newest labeled keyframes with their poses, newest first; null before the first label.
+  [[nodiscard]] std::shared_ptr<const std::vector<DepthView>> LabeledViews() const { return views_.Get(); }
   [[nodiscard]] std::shared_ptr<const MapView> ViewMap() const;
   [[nodiscard]] MaskView ViewMask() const;
-  // Newest frame that has been labelled; -1 before the first.
-  [[nodiscard]] std::int64_t newest_labelled() const { return newest_labelled_.load(std::memory_order_relaxed); }
+  // Newest frame that has been labeled; -1 before the first.
+  [[nodiscard]] std::int64_t newest_labeled() const { return newest_labeled_.load(std::memory_order_relaxed); }
   // The newest frame that tracking has begun, for the events' sake.
   void SetCurrentFrame(FrameId frame) { current_frame_.store(frame.value, std::memory_order_relaxed); }
 
@@ -71,13 +72,13 @@ class Pipeline {
   [[nodiscard]] Rigid3 CameraFromWorld(KeyframeId keyframe) const;
 
  private:
-  struct Figures {
+  struct Metrics {
     std::vector<double> local_ba_ms;
     std::vector<LabelEvent> labels;
     int segmentation_failures = 0;
   };
 
-  void AdjustLocally(KeyframeId keyframe, const std::function<bool()>& hurry);
+  void AdjustLocally(KeyframeId keyframe, const std::function<bool()>& should_stop);
   void PublishAround(KeyframeId keyframe);
   // For drawing, if it is wanted.
   void PublishView();
@@ -86,11 +87,11 @@ class Pipeline {
   void WarnOfSegmentation(const std::string& text);
   // Makes labels dynamic where something has moved in since earlier keyframes; leaves them if the frame is not in the
   // map (yet).
-  void AddMovedIn(FrameId frame, std::vector<KeypointLabel>& labels) const;
+  void AddFreeSpaceViolations(FrameId frame, std::vector<KeypointLabel>& labels) const;
   // Labels of keypoints for the keyframe made from a frame; kept if it is not in the map yet, dropped if no more.
   void ApplyToMap(FrameId frame, std::vector<KeypointLabel> labels);
-  // Publishes the newest labelled views.
-  void ShowLabelled(const LabelledRound& round);
+  // Publishes the newest labeled views.
+  void PublishLabeledViews(const LabeledRound& round);
   // One label's way into the map.
   LabelEvent ApplyMask(const BacklogItem& item, const Image8& mask);
   // Corrects the keyframe of a frame and those after it, in their order.
@@ -102,14 +103,14 @@ class Pipeline {
   MovingProbabilities probabilities_;  // by map point
   LocalMapper mapper_;
   Guarded<World> world_;
-  Guarded<Figures> figures_;
+  Guarded<Metrics> metrics_;
   Published<LocalMap> local_map_;
   Published<MaskView> mask_;
   Published<MapView> view_;
   int segmentation_warnings_ = 0;   // the semantic thread's
-  std::vector<SeenView> labelled_;  // the newest ones, newest first; the semantic thread's
-  Published<std::vector<SeenView>> views_;
-  std::atomic<std::int64_t> newest_labelled_ = -1;
+  std::vector<DepthView> labeled_;  // the newest ones, newest first; the semantic thread's
+  Published<std::vector<DepthView>> views_;
+  std::atomic<std::int64_t> newest_labeled_ = -1;
   std::atomic<std::uint32_t> current_frame_ = 0;
 };
 

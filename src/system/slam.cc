@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // All threading on one page: the caller's thread tracks, one worker maps, one labels. In lockstep the caller does all.
 #include "system/slam.h"
 
@@ -14,9 +15,9 @@
 #include "geometry/distortion.h"
 #include "runtime/worker.h"
 #include "system/frame_report.h"
-#include "system/label_follower.h"
 #include "system/lanes.h"
 #include "system/pipeline.h"
+#include "system/propagation_lane.h"
 #include "tracking/tracker.h"
 
 namespace rds {
@@ -63,7 +64,7 @@ class Slam::Impl {
   };
   struct DueRound {
     std::uint32_t due_frame = 0;
-    LabelledRound round;
+    LabeledRound round;
   };
 
   [[nodiscard]] WorkerStatus Status() const;
@@ -82,7 +83,7 @@ class Slam::Impl {
   OrbExtractor extractor_;
   std::shared_ptr<Shared> shared_;
   std::unique_ptr<Tracker> tracker_;
-  std::optional<LabelFollower> follower_;  // none if nothing asks for labels
+  std::optional<PropagationLane> follower_;  // none if nothing asks for labels
   std::vector<TrajectoryEntry> entries_;
   std::vector<StartFrame> start_;  // frames before the first label, to be tracked again with it
   bool starting_ = false;
@@ -124,25 +125,25 @@ std::unique_ptr<Tracker> Slam::Impl::MakeTracker() const {
   TrackerOptions tracking = options_.tracking;
   tracking.association.probability = options_.semantic.probability;
   tracking.association.use_semantics &= shared_->pipeline.HasSegmenter();
-  tracking.surface = options_.carry.surface;
+  tracking.surface = options_.propagation.surface;
   return std::make_unique<Tracker>(tracking, options_.pose, extractor_.pyramid(), shared_->pipeline.probabilities());
 }
 
 void Slam::Impl::StartFollowing() {
-  if (shared_->pipeline.HasSegmenter() && options_.tracking.association.use_semantics && options_.carry.enabled) {
-    follower_.emplace(options_.carry, options_.semantic.free_space, options_.system.lockstep,
+  if (shared_->pipeline.HasSegmenter() && options_.tracking.association.use_semantics && options_.propagation.enabled) {
+    follower_.emplace(options_.propagation, options_.semantic.free_space, options_.system.lockstep,
                       [shared = shared_](std::exception_ptr error) { shared->Fail(std::move(error)); });
   }
 }
 
 void Slam::Impl::Follow(FrameId frame, std::shared_ptr<const FrameData> data, const TrackOutcome& outcome) {
   if (follower_ && outcome.tracked) {
-    follower_->Offer({frame, std::move(data), outcome.camera_from_world, shared_->pipeline.LabelledViews()});
+    follower_->Offer({frame, std::move(data), outcome.camera_from_world, shared_->pipeline.LabeledViews()});
   }
 }
 
 // Before the first label nobody can tell what moves, and poses may follow people who fill the picture. So until then
-// the first keyframe stays the only one, and once it is labelled a new tracker goes through all frames since, with
+// the first keyframe stays the only one, and once it is labeled a new tracker goes through all frames since, with
 // keyframes where it wants them: of the first one's static points few may be left by then.
 void Slam::Impl::TrackStartAgain() {
   tracker_ = MakeTracker();
@@ -168,12 +169,12 @@ void Slam::Impl::TrackStartAgain() {
 void Slam::Impl::KeepStart(const FrameResult& result, std::shared_ptr<const FrameData> data, const RgbdFrame& frame) {
   start_.push_back({result.frame, result.timestamp_s, std::move(data), frame.image});
   // Came while this frame was tracked: all frames are tracked again before the next one.
-  const bool labelled = shared_->pipeline.newest_labelled() >= 0;
+  const bool labeled = shared_->pipeline.newest_labeled() >= 0;
   // A lost frame is none: the map cannot grow by it, and it may be the label that took its points away.
   const bool weak = start_.size() > 1 && result.state == TrackingState::kTracked &&
                     result.static_matches + result.unknown_matches < kWeakStart;
-  starting_ = labelled || (!weak && std::ssize(start_) < options_.semantic.start_frames);
-  if (!starting_) {  // the map must grow, labelled or not
+  starting_ = labeled || (!weak && std::ssize(start_) < options_.semantic.start_frames);
+  if (!starting_) {  // the map must grow, labeled or not
     start_.clear();
   }
 }
@@ -228,11 +229,11 @@ FrameResult Slam::Impl::TrackFrame(const RgbdFrame& frame) {
   if (options_.system.lockstep) {
     StepSemantics(result.frame);
   }
-  if (starting_ && shared_->pipeline.newest_labelled() >= 0) {
+  if (starting_ && shared_->pipeline.newest_labeled() >= 0) {
     starting_ = false;
     TrackStartAgain();
   }
-  const std::shared_ptr<const LabelField> labels = follower_ ? follower_->Newest(result.frame) : nullptr;
+  const std::shared_ptr<const PropagatedLabels> labels = follower_ ? follower_->Newest(result.frame) : nullptr;
   auto data = std::make_shared<const FrameData>(extractor_.Extract(
       camera_, *frame.image, *frame.depth, labels ? std::span(labels->motion) : std::span<const SampleMotion>()));
   result.timing.extraction_ms = watch.Milliseconds();
@@ -347,7 +348,7 @@ SlamResult Slam::Impl::Finish() {
   result.processed_frames = static_cast<int>(processed_);
   result.tracked_frames = static_cast<int>(result.frames.size());
   result.lost_frames = lost_;
-  result.keyframes_left_unlabelled = shared_->waiting.Read(
+  result.keyframes_left_unlabeled = shared_->waiting.Read(
       [](const Waiting& waiting) { return waiting.dropped + static_cast<int>(waiting.backlog.size()); });
   return result;
 }

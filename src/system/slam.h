@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The public API: frames in, trajectory and map out.
 #pragma once
 
@@ -16,22 +17,22 @@ namespace rds {
 
 // What the semantic threads did with one keyframe.
 struct LabelEvent {
-  FrameId labelled_frame;      // frame of the keyframe that was labelled
+  FrameId labeled_frame;       // frame of the keyframe that was labeled
   FrameId current_frame;       // newest frame when its label arrived
   double segmentation_ms = 0;  // of the request (shared by the keyframes of a batch)
   double mask_ms = 0;          // dilation
   double update_ms = 0;        // Bayes step
-  double optimisation_ms = 0;  // semantic-based optimisation; 0 = none was due
+  double optimization_ms = 0;  // semantic-based optimization; 0 = none was due
 };
 
 // A view for drawing: the map as of its newest change. Immutable once handed out.
 struct MapView {
   std::vector<Rigid3> keyframes;          // world_from_camera, in order of creation
-  std::vector<Eigen::Vector3f> points;    // in the world frame, metres
+  std::vector<Eigen::Vector3f> points;    // in the world frame, meters
   std::vector<float> moving_probability;  // one for each point
 };
 
-// Mask of the newest labelled keyframe, dilated: 255 = dynamic. For drawing.
+// Mask of the newest labeled keyframe, dilated: 255 = dynamic. For drawing.
 struct MaskView {
   FrameId frame;
   std::shared_ptr<const Image8> mask;  // null before the first label
@@ -47,7 +48,7 @@ struct SlamResult {
   std::vector<double> local_ba_ms;  // one for each local bundle adjustment
   std::vector<LabelEvent> labels;   // in order of arrival
   int segmentation_failures = 0;    // keyframes whose request threw or gave no usable mask
-  int keyframes_left_unlabelled = 0;
+  int keyframes_left_unlabeled = 0;
   MapView map;
   int static_points = 0;
   int unknown_points = 0;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What goes wrong inside ends a run in words, with what it has.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -75,7 +76,7 @@ TEST(Slam, OptionsOutOfRangeAreRefusedBeforeAnythingIsMadeOfThem) {
               testing::HasSubstr("system.keyframe_queue"));
   EXPECT_THAT(error_with([](Options& options) {
                 options.orb.features = 10000;
-                options.orb.moving_share = 10;
+                options.orb.moving_ratio = 10;
               }),
               testing::HasSubstr("must not be above 65000"));
 }

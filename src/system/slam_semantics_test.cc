@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Semantics end to end on a synthetic world: what labels are good for, when they come, and back ends that fail.
 #include <gtest/gtest.h>
 
@@ -28,14 +29,14 @@ std::vector<Image8> Filled(std::span<const SegmentationInput> inputs, int width,
 TEST(Slam, LabelsEachKeyframeOnceAndLabelsSayWhatIsStatic) {
   const auto& frames = Frames(SyntheticScenario::kWalking);
   const SlamResult result = RunAll(frames, SmallOptions(true), TrueMasks(frames));
-  std::vector<std::uint32_t> labelled;
+  std::vector<std::uint32_t> labeled;
   for (const LabelEvent& event : result.labels) {
-    labelled.push_back(event.labelled_frame.value);
+    labeled.push_back(event.labeled_frame.value);
   }
-  std::ranges::sort(labelled);
-  EXPECT_TRUE(std::ranges::adjacent_find(labelled) == labelled.end());
-  EXPECT_EQ(labelled.front(), 0U);  // the very first keyframe too
-  EXPECT_EQ(result.keyframes_left_unlabelled, 0);
+  std::ranges::sort(labeled);
+  EXPECT_TRUE(std::ranges::adjacent_find(labeled) == labeled.end());
+  EXPECT_EQ(labeled.front(), 0U);  // the very first keyframe too
+  EXPECT_EQ(result.keyframes_left_unlabeled, 0);
   EXPECT_GT(result.static_points, result.unknown_points);
   EXPECT_LT(AteRmse(result, frames), 0.05);
 }
@@ -147,7 +148,7 @@ TEST(Slam, FramesBeforeTheFirstLabelAreTrackedAgainWhateverTheMomentItComes) {
       return TrueMasks(frames)->Segment(inputs);
     };
     Slam slam(MakeSyntheticCamera(320, 240), SmallOptions(false),
-              std::make_unique<FaultySegmenter>("gated", std::chrono::milliseconds(0), std::move(masks)));
+              std::make_unique<FaultySegmenter>("held back", std::chrono::milliseconds(0), std::move(masks)));
     double frame_ms = 0;
     for (std::size_t i = 0; i < kBefore; ++i) {
       frame_ms = slam.Process(frames[i].rgbd).timing.total_ms;
@@ -172,7 +173,7 @@ TEST(Slam, FramesBeforeTheFirstLabelAreTrackedAgainWhateverTheMomentItComes) {
   }
 }
 
-// Figures 6 and 7 of the paper: keyframes that come faster than their masks.
+// Metrics 6 and 7 of the paper: keyframes that come faster than their masks.
 TEST(Slam, SequentialLabelsFallFartherAndFartherBehindAndBidirectionalOnesDoNot) {
   SyntheticOptions synthetic = SmallWorld(SyntheticScenario::kWalking);
   synthetic.frames = 66;  // then the camera comes to rest, and keyframes with it
@@ -281,7 +282,7 @@ TEST(Slam, EndsWithoutABackEndThatDoesNotGiveUp) {
   EXPECT_LT(watch.Seconds(), 60);
   EXPECT_EQ(result.tracked_frames, kFrames);
   EXPECT_TRUE(result.labels.empty());
-  EXPECT_GT(result.keyframes_left_unlabelled, 0);
+  EXPECT_GT(result.keyframes_left_unlabeled, 0);
   // Its thread lives on with all that it may touch; when it comes back, both end.
   EXPECT_EQ(is_gone.wait_for(std::chrono::seconds(0)), std::future_status::timeout);
   wake_up.set_value();

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // End to end on a synthetic world: accuracy, lockstep, bad input, shutdown in every state.
 #include "system/slam.h"
 
@@ -93,7 +94,7 @@ TEST(Slam, RefusesBadFramesAndStaysUsable) {
   EXPECT_EQ(slam.Process(frames[1].rgbd).state, TrackingState::kTracked);
 }
 
-TEST(Slam, BlackFramesAreLostAndTrackingIsRegained) {
+TEST(Slam, BlackFramesAreLostAndTrackingIsRecovered) {
   const auto& frames = Frames(SyntheticScenario::kStatic);
   Slam slam(MakeSyntheticCamera(320, 240), SmallOptions(true));
   int lost = 0;
@@ -116,7 +117,7 @@ TEST(Slam, BlackFramesAreLostAndTrackingIsRegained) {
   EXPECT_LT(AteRmse(result, frames), 0.02);
 }
 
-// Grey, one half averaged over squares of 7 pixels, the other black.
+// Gray, one half averaged over squares of 7 pixels, the other black.
 Image8 HalfBlurred(const Image8& image, bool left) {
   constexpr int kReach = 3;
   const int half = image.width / 2;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Views of a board in front of a wall, for tests of what depth images say.
 #pragma once
 

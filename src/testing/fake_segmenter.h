@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Segmenters that fail in every way that SLAM must survive. For tests.
 #pragma once
 
@@ -15,8 +16,8 @@
 
 namespace rds {
 
-// Answers after `delay` (nothing = never, until it is cancelled) with what `answer` makes of the inputs; once
-// cancelled, with empty images. Thread-safe as Segmenter demands.
+// Answers after `delay` (nothing = never, until it is canceled) with what `answer` makes of the inputs; once
+// canceled, with empty images. Thread-safe as Segmenter demands.
 class FaultySegmenter final : public Segmenter {
  public:
   using Answer = std::function<std::vector<Image8>(std::span<const SegmentationInput>)>;
@@ -28,11 +29,11 @@ class FaultySegmenter final : public Segmenter {
     std::unique_lock lock(mutex_);
     ++requests_;
     if (delay_) {
-      changed_.wait_for(lock, *delay_, [this] { return cancelled_; });
+      changed_.wait_for(lock, *delay_, [this] { return canceled_; });
     } else {
-      changed_.wait(lock, [this] { return cancelled_; });
+      changed_.wait(lock, [this] { return canceled_; });
     }
-    if (cancelled_) {
+    if (canceled_) {
       return std::vector<Image8>(inputs.size());
     }
     lock.unlock();
@@ -42,7 +43,7 @@ class FaultySegmenter final : public Segmenter {
   void Cancel() override {
     {
       const std::lock_guard lock(mutex_);
-      cancelled_ = true;
+      canceled_ = true;
     }
     changed_.notify_all();
   }
@@ -61,8 +62,8 @@ class FaultySegmenter final : public Segmenter {
   const Answer answer_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  bool cancelled_ = false;  // under mutex_
-  int requests_ = 0;        // under mutex_
+  bool canceled_ = false;  // under mutex_
+  int requests_ = 0;       // under mutex_
 };
 
 namespace faulty {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The nearest thing to a full disk that needs no privilege. Header only.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Matchers for tests. Header only: the rest of testing/ does without GoogleTest.
 #pragma once
 
@@ -9,7 +10,7 @@
 
 namespace rds {
 
-// Passes for a Rigid3 whose translation differs by at most `tolerance_m` metres and whose rotation by at most
+// Passes for a Rigid3 whose translation differs by at most `tolerance_m` meters and whose rotation by at most
 // `tolerance_deg` degrees from `expected`.
 MATCHER_P3(RigidNear, expected, tolerance_m, tolerance_deg, "is near the expected pose") {
   const double distance_m = (arg.translation - expected.translation).norm();

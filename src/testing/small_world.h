@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // End to end runs on a small synthetic world, for tests.
 #pragma once
 
@@ -9,9 +10,9 @@
 #include <vector>
 
 #include "geometry/alignment.h"
-#include "testing/fake_segmenter.h"
-#include "system/slam.h"
 #include "synth/synthetic_world.h"
+#include "system/slam.h"
+#include "testing/fake_segmenter.h"
 
 namespace rds {
 

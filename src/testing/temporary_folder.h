@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A folder of their own for tests that need files. Header only.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "tracking/data_association.h"
 
 #include <algorithm>
@@ -7,7 +8,8 @@ namespace {
 
 // What a point has shown of itself: one that moves is made anew again and again, and few keyframes see it.
 double Proven(const LocalMap& map, std::uint32_t point, const AssociationOptions& options) {
-  return std::min<int>(map.sightings[point], options.proven_sightings) / static_cast<double>(options.proven_sightings);
+  return std::min<int>(map.observations[point], options.min_observations) /
+         static_cast<double>(options.min_observations);
 }
 
 // Scales the weights so that the best match has weight 1.
@@ -56,11 +58,11 @@ Association SelectMatches(std::span<const PointMatch> matches, const LocalMap& m
   result.static_count = static_cast<int>(result.used.size());
   // Algorithm 2, with tau; where unknown ones are gated, static ones may be fewer and still lead.
   const int enough =
-      options.unknown == UnknownPoints::kGated ? std::min(options.tau, options.pose_static) : options.tau;
+      options.unknown == UnknownPoints::kDeferred ? std::min(options.tau, options.min_static_matches) : options.tau;
   if (result.static_count < enough || options.unknown == UnknownPoints::kAlways) {
     result.used.insert(result.used.end(), unknown.begin(), unknown.end());
   } else {
-    result.set_aside = std::move(unknown);
+    result.deferred = std::move(unknown);
   }
   ScaleToOne(result.used);
   return result;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Which matches a pose may stand on: the paper's Algorithm 2.
 #pragma once
 
@@ -12,19 +13,19 @@
 namespace rds {
 
 enum class UnknownPoints : std::uint8_t {
-  kPaper,   // used only while fewer than tau static ones are there
-  kAlways,  // always used, with the weight 1 - p that lets static ones lead
-  kGated,   // used where static ones are few, but only those that agree with their pose; all of them if static ones are
-            // too few for a pose
+  kPaper,     // used only while fewer than tau static ones are there
+  kAlways,    // always used, with the weight 1 - p that lets static ones lead
+  kDeferred,  // used where static ones are few, but only those that agree with their pose; all of them if static ones
+              // are too few for a pose
 };
 
 struct AssociationOptions {
   bool use_semantics = true;  // false: every match is used, as if no point had a label
   int tau = 20;               // static matches that are enough
-  UnknownPoints unknown = UnknownPoints::kGated;
-  int few_static = 60;       // kGated: below so many static inliers unknown ones are let in
-  int pose_static = 10;      // kGated: so many static matches give a pose of their own
-  int proven_sightings = 4;  // with semantics, a point that fewer keyframes see has proportionally less weight
+  UnknownPoints unknown = UnknownPoints::kDeferred;
+  int min_static_inliers = 60;  // kDeferred: below so many static inliers unknown ones are let in
+  int min_static_matches = 10;  // kDeferred: so many static matches give a pose of their own
+  int min_observations = 4;     // with semantics, a point that fewer keyframes see has proportionally less weight
   MovingProbabilityOptions probability;
 };
 
@@ -40,9 +41,9 @@ struct PointMatch {
 // Outcome of Algorithm 2. `used` holds static matches before unknown ones.
 struct Association {
   std::vector<PointMatch> used;
-  std::vector<PointMatch> set_aside;  // unknown ones not needed
-  std::vector<PointMatch> dynamic;    // never used
-  int static_count = 0;               // how many of `used` are static
+  std::vector<PointMatch> deferred;  // unknown ones not needed
+  std::vector<PointMatch> dynamic;   // never used
+  int static_count = 0;              // how many of `used` are static
 };
 
 // Classifies matches by the probabilities of this moment and selects the ones to use. A point of unknown state has the

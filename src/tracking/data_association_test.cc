@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "tracking/data_association.h"
 
 #include <gtest/gtest.h>
@@ -18,7 +19,7 @@ struct Scene {
     for (int i = 0; i < count; ++i) {
       const auto index = static_cast<std::uint32_t>(map.ids.size());
       map.ids.push_back(PointId{index});
-      map.sightings.push_back(10);
+      map.observations.push_back(10);
       probabilities.Set(PointId{index}, probability);
       matches.push_back({index, index, PointState::kUnknown, 1.0});
     }
@@ -37,7 +38,7 @@ TEST(DataAssociation, EnoughStaticMatchesLeaveUnknownOnesAside) {
   const Association association = scene.Select({});
   EXPECT_EQ(association.used.size(), 20U);
   EXPECT_EQ(association.static_count, 20);
-  EXPECT_EQ(association.set_aside.size(), 30U);
+  EXPECT_EQ(association.deferred.size(), 30U);
   EXPECT_EQ(association.dynamic.size(), 10U);
 }
 
@@ -65,7 +66,7 @@ TEST(DataAssociation, GatedUnknownOnesWaitForThePoseOfAFewStaticOnes) {
     scene.Add(10, 0.9);
     const Association association = scene.Select({});
     EXPECT_EQ(association.static_count, still);
-    EXPECT_EQ(association.set_aside.size(), still == 10 ? 30U : 0U);
+    EXPECT_EQ(association.deferred.size(), still == 10 ? 30U : 0U);
     EXPECT_EQ(association.used.size(), still == 10 ? 10U : 39U);
     EXPECT_EQ(association.dynamic.size(), 10U);
   }
@@ -98,15 +99,15 @@ TEST(DataAssociation, AKeypointsLabelSpeaksForAnUnknownPointOnly) {
 TEST(DataAssociation, PointsThatFewKeyframesSeeWeighLess) {
   Scene scene;
   scene.Add(3, 0.1);
-  scene.map.sightings = {1, 3, 200};
+  scene.map.observations = {1, 3, 200};
   AssociationOptions options;
-  options.proven_sightings = 4;
+  options.min_observations = 4;
   const Association association = scene.Select(options);
   ASSERT_EQ(association.used.size(), 3U);
   EXPECT_NEAR(association.used[0].weight, 0.25, 1e-9);
   EXPECT_NEAR(association.used[1].weight, 0.75, 1e-9);
   EXPECT_NEAR(association.used[2].weight, 1.0, 1e-9);
-  scene.map.sightings = {1, 1, 1};  // all of them new: none better than another
+  scene.map.observations = {1, 1, 1};  // all of them new: none better than another
   for (const PointMatch& match : scene.Select(options).used) {
     EXPECT_EQ(match.weight, 1.0);
   }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "tracking/keyframe_policy.h"
 
 namespace rds {
@@ -5,7 +6,7 @@ namespace {
 
 // Section II-A1 of the paper; "at least 50 points and under 90 % of the reference keyframe's".
 bool PaperRule(const KeyframeSituation& s, const KeyframePolicyOptions& o) {
-  return s.frames_since_keyframe >= o.paper_frames && s.frames_since_regained >= o.paper_frames && s.mapping_idle &&
+  return s.frames_since_keyframe >= o.paper_frames && s.frames_since_recovery >= o.paper_frames && s.mapping_idle &&
          s.inliers >= o.paper_points && s.inliers < o.paper_ratio * s.reference_tracked_points;
 }
 

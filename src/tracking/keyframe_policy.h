@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // When a frame becomes a keyframe.
 #pragma once
 
@@ -16,7 +17,7 @@ struct KeyframePolicyOptions {
   int close_tracked = 100;      // fewer close points tracked than this ...
   int close_untracked = 70;     // ... while more than this could be: a keyframe is wanted
   int min_inliers = 15;
-  int paper_frames = 20;  // paper: frames since the last keyframe or regaining
+  int paper_frames = 20;  // paper: frames since the last keyframe or recovery
   int paper_points = 50;
   double paper_ratio = 0.9;
   int semantic_frames = 8;  // with semantics: a keyframe for an idle segmenter, at most so often; 0 = never
@@ -25,7 +26,7 @@ struct KeyframePolicyOptions {
 // What the policy looks at.
 struct KeyframeSituation {
   int frames_since_keyframe = 0;
-  int frames_since_regained = 0;  // since tracking was last regained; large if never
+  int frames_since_recovery = 0;  // since tracking was last recovered; large if never
   bool mapping_idle = false;
   bool segmenter_idle = false;       // semantics run and the backlog holds nothing to label
   int inliers = 0;                   // matches that the pose stands on or could have stood on; no dynamic ones

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "tracking/keyframe_policy.h"
 
 #include <gtest/gtest.h>
@@ -9,7 +10,7 @@ namespace {
 KeyframeSituation Calm() {
   KeyframeSituation s;
   s.frames_since_keyframe = 10;
-  s.frames_since_regained = 1000;
+  s.frames_since_recovery = 1000;
   s.mapping_idle = true;
   s.inliers = 98;
   s.reference_tracked_points = 100;
@@ -93,7 +94,7 @@ TEST(KeyframePolicy, ThePapersRuleNeedsAllItsConditions) {
   EXPECT_TRUE(WantsKeyframe(s, options));
   for (const auto& spoil :
        {+[](KeyframeSituation& k) { k.frames_since_keyframe = 19; },
-        +[](KeyframeSituation& k) { k.frames_since_regained = 19; },
+        +[](KeyframeSituation& k) { k.frames_since_recovery = 19; },
         +[](KeyframeSituation& k) { k.mapping_idle = false; }, +[](KeyframeSituation& k) { k.inliers = 49; },
         +[](KeyframeSituation& k) { k.inliers = 90; }}) {
     KeyframeSituation spoilt = s;

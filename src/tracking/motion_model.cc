@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "tracking/motion_model.h"
 
 #include <cmath>
@@ -41,7 +42,8 @@ std::optional<PosePrior> MotionModel::Prior(const Rigid3& predicted_camera_from_
   PosePrior prior{predicted_camera_from_world, {}};
   prior.information.setZero();
   prior.information.diagonal().head<3>().setConstant(Information(options_.acceleration_m_s2, seconds, kPoseNoise_m));
-  prior.information.diagonal().tail<3>().setConstant(Information(options_.turn_rad_s2, seconds, kPoseNoise_rad));
+  prior.information.diagonal().tail<3>().setConstant(
+      Information(options_.angular_acceleration_rad_s2, seconds, kPoseNoise_rad));
   return prior;
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How a camera moves from frame to frame.
 #pragma once
 
@@ -13,7 +14,7 @@ namespace rds {
 // 3.9 rad/s^2.
 struct MotionOptions {
   double acceleration_m_s2 = 4.5;  // 0 = a pose stands on its matches alone
-  double turn_rad_s2 = 9;
+  double angular_acceleration_rad_s2 = 9;
 };
 
 // Constant velocity in the frame of the camera, averaged over the last steps as each of them is as noisy as two poses;
@@ -32,7 +33,7 @@ class MotionModel {
 
  private:
   MotionOptions options_;
-  std::optional<Eigen::Matrix<double, 6, 1>> velocity_;  // (metres, radians) a second
+  std::optional<Eigen::Matrix<double, 6, 1>> velocity_;  // (meters, radians) a second
 };
 
 }  // namespace rds

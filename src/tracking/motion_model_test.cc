@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "tracking/motion_model.h"
 
 #include <gtest/gtest.h>
@@ -51,7 +52,7 @@ TEST(MotionModel, NothingIsLearntFromStepsWithoutTime) {
 }
 
 TEST(MotionModel, ThePriorIsWhatAccelerationsAllowButNotTighterThanPosesAre) {
-  MotionModel motion({.acceleration_m_s2 = 9, .turn_rad_s2 = 18});
+  MotionModel motion({.acceleration_m_s2 = 9, .angular_acceleration_rad_s2 = 18});
   motion.Observe(kStep, kFrame_s);
   const PosePrior prior = *motion.Prior(kStep, kFrame_s);
   EXPECT_EQ(prior.camera_from_world.translation, kStep.translation);
@@ -63,7 +64,7 @@ TEST(MotionModel, ThePriorIsWhatAccelerationsAllowButNotTighterThanPosesAre) {
 }
 
 TEST(MotionModel, NoAccelerationMeansNoPrior) {
-  MotionModel motion({.acceleration_m_s2 = 0, .turn_rad_s2 = 1});
+  MotionModel motion({.acceleration_m_s2 = 0, .angular_acceleration_rad_s2 = 1});
   motion.Observe(kStep, kFrame_s);
   EXPECT_TRUE(motion.Predict(kFrame_s));
   EXPECT_FALSE(motion.Prior(kStep, kFrame_s));

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How often points were there to be seen, and found.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "tracking/projection_search.h"
 
 #include <algorithm>
@@ -80,27 +81,27 @@ Projections ProjectAll(const LocalMap& map, const FrameData& frame, const Rigid3
 
 }  // namespace
 
-std::vector<LastSighting> FindSightings(std::span<const PointId> points, const LocalMap& map) {
-  std::vector<LastSighting> sightings;
+std::vector<LastObservation> FindObservations(std::span<const PointId> points, const LocalMap& map) {
+  std::vector<LastObservation> observations;
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (points[i].valid()) {
       if (const auto point = map.IndexOf(points[i])) {
-        sightings.push_back({static_cast<std::uint32_t>(i), *point});
+        observations.push_back({static_cast<std::uint32_t>(i), *point});
       }
     }
   }
-  return sightings;
+  return observations;
 }
 
-std::vector<PointMatch> SearchLastFrame(const FrameData& last, std::span<const LastSighting> sightings,
+std::vector<PointMatch> SearchLastFrame(const FrameData& last, std::span<const LastObservation> observations,
                                         const FrameData& current, const Rigid3& camera_from_world, const LocalMap& map,
                                         const ScalePyramid& pyramid, double window_px) {
   const PinholeCamera& camera = current.camera();
   const Eigen::Matrix3d rotation = camera_from_world.RotationMatrix();
   MatchSet set(current.size());
   std::vector<float> angles(map.size(), 0.0F);
-  for (const LastSighting& sighting : sightings) {
-    const Eigen::Vector3d point = rotation * map.Position(sighting.point) + camera_from_world.translation;
+  for (const LastObservation& observation : observations) {
+    const Eigen::Vector3d point = rotation * map.Position(observation.point) + camera_from_world.translation;
     if (point.z() <= 0) {
       continue;
     }
@@ -110,14 +111,14 @@ std::vector<PointMatch> SearchLastFrame(const FrameData& last, std::span<const L
     if (!current.IsInImage(x, y)) {
       continue;
     }
-    const Keypoint& keypoint = last.keypoints()[sighting.keypoint];
+    const Keypoint& keypoint = last.keypoints()[observation.keypoint];
     const float radius = static_cast<float>(window_px) * pyramid.scale[keypoint.octave];
     const float right_x = x - static_cast<float>(camera.Bf() / point.z());
     const Candidate best = FindBest(current, {x, y, right_x, radius, keypoint.octave - 1, keypoint.octave + 1},
-                                    last.descriptors()[sighting.keypoint]);
+                                    last.descriptors()[observation.keypoint]);
     if (best.keypoint >= 0 && best.distance <= kLooseDistance) {
-      angles[sighting.point] = keypoint.angle_deg;
-      set.Add({sighting.point, static_cast<std::uint32_t>(best.keypoint), best.distance});
+      angles[observation.point] = keypoint.angle_deg;
+      set.Add({observation.point, static_cast<std::uint32_t>(best.keypoint), best.distance});
     }
   }
   std::vector<Match> matches = set.Take();

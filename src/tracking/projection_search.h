@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Matching map points to a frame by projecting them into it.
 #pragma once
 
@@ -11,18 +12,19 @@
 namespace rds {
 
 // A point of the local map with the keypoint of the last frame that showed it.
-struct LastSighting {
+struct LastObservation {
   std::uint32_t keypoint = 0;  // of the last frame
   std::uint32_t point = 0;     // index into LocalMap
 };
 
 // Those of a frame's points (one a keypoint, invalid where there is none) that a snapshot holds, fusions followed;
 // ascending by keypoint.
-[[nodiscard]] std::vector<LastSighting> FindSightings(std::span<const PointId> points, const LocalMap& map);
+[[nodiscard]] std::vector<LastObservation> FindObservations(std::span<const PointId> points, const LocalMap& map);
 
-// Searches the last frame's points around their projections at a predicted pose: octave of the last sighting and its
-// neighbours, rotation checked, each keypoint taken once. `window_px` is scaled with the octave.
-[[nodiscard]] std::vector<PointMatch> SearchLastFrame(const FrameData& last, std::span<const LastSighting> sightings,
+// Searches the last frame's points around their projections at a predicted pose: octave of the last observation and its
+// neighbors, rotation checked, each keypoint taken once. `window_px` is scaled with the octave.
+[[nodiscard]] std::vector<PointMatch> SearchLastFrame(const FrameData& last,
+                                                      std::span<const LastObservation> observations,
                                                       const FrameData& current, const Rigid3& camera_from_world,
                                                       const LocalMap& map, const ScalePyramid& pyramid,
                                                       double window_px);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "tracking/projection_search.h"
 
 #include <gtest/gtest.h>
@@ -52,11 +53,11 @@ struct Scene {
   Keypoint& Shows(std::uint32_t point) { return keypoints[KeypointOf(point)]; }
   [[nodiscard]] FrameData Current() const { return {TestCamera(), keypoints, descriptors}; }
   [[nodiscard]] std::vector<PointMatch> SearchLast(const Rigid3& guess) const {
-    std::vector<LastSighting> sightings;
+    std::vector<LastObservation> observations;
     for (std::uint32_t i = 0; i < kPoints; ++i) {
-      sightings.push_back({i, i});
+      observations.push_back({i, i});
     }
-    return SearchLastFrame(*last, sightings, Current(), guess, *map, pyramid, kWindowPx);
+    return SearchLastFrame(*last, observations, Current(), guess, *map, pyramid, kWindowPx);
   }
   [[nodiscard]] LocalSearch SearchMap(const Rigid3& guess) const {
     return SearchLocalMap(Current(), guess, *map, pyramid, taken, occupied, kWindowPx, 0.8);
@@ -132,8 +133,9 @@ TEST(SearchLastFrame, TheCloserOfTwoPointsTakesAKeypoint) {
   moved.y[0] = moved.y[1];
   moved.z[0] = moved.z[1];
   const FrameData last(TestCamera(), same, looks);
-  for (const auto& sightings : {std::vector<LastSighting>{{0, 0}, {1, 1}}, std::vector<LastSighting>{{1, 1}, {0, 0}}}) {
-    EXPECT_EQ(Matched(SearchLastFrame(last, sightings, current, scene.pose, moved, scene.pyramid, kWindowPx)),
+  for (const auto& observations :
+       {std::vector<LastObservation>{{0, 0}, {1, 1}}, std::vector<LastObservation>{{1, 1}, {0, 0}}}) {
+    EXPECT_EQ(Matched(SearchLastFrame(last, observations, current, scene.pose, moved, scene.pyramid, kWindowPx)),
               (std::vector<std::uint32_t>{1}));
   }
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "tracking/tracker.h"
 
 #include <algorithm>
@@ -8,10 +9,9 @@
 #include "base/error.h"
 #include "base/time.h"
 #include "feature/keypoint_observation.h"
-#include "tracking/regain.h"
+#include "tracking/recovery.h"
 
 namespace rds {
-
 Tracker::Tracker(const TrackerOptions& options, const PoseOptimizerOptions& pose, const ScalePyramid& pyramid,
                  const MovingProbabilities& probabilities)
     : options_(options),
@@ -22,7 +22,7 @@ Tracker::Tracker(const TrackerOptions& options, const PoseOptimizerOptions& pose
 
 TrackOutcome Tracker::Track(FrameId frame, double timestamp_s, std::shared_ptr<const FrameData> data,
                             std::shared_ptr<const LocalMap> map, const WorkerStatus& status,
-                            std::shared_ptr<const LabelField> labels) {
+                            std::shared_ptr<const PropagatedLabels> labels) {
   const bool map_changed = map != map_;
   map_ = std::move(map);
   if (started_) {
@@ -49,12 +49,12 @@ TrackOutcome Tracker::Track(FrameId frame, double timestamp_s, std::shared_ptr<c
   return outcome;
 }
 
-void Tracker::LookUp(std::shared_ptr<const LabelField> labels) {
+void Tracker::LookUp(std::shared_ptr<const PropagatedLabels> labels) {
   const Rigid3 expected =
       motion_.Predict(current_.timestamp_s - last_.timestamp_s).value_or(Rigid3{}) * last_.camera_from_world;
   const Rigid3 now_from_labels = expected * labels->camera_from_world.Inverse();
-  if (options_.alignment.enabled) {
-    static_samples_ = StaticSamples(*labels, *current_.data, now_from_labels, kAlignmentStep);
+  if (options_.registration.enabled) {
+    static_samples_ = StaticSamples(*labels, *current_.data, now_from_labels, kRegistrationStep);
   }
   keypoint_probability_ = [probabilities = KeypointProbabilities(std::move(labels), current_.data, now_from_labels,
                                                                  options_.surface)](std::uint32_t keypoint) {
@@ -71,20 +71,21 @@ void Tracker::TrackInMap(const WorkerStatus& status, bool map_changed, TrackOutc
     Rebase();
   }
   ++frames_since_keyframe_;
-  ++frames_since_regained_;
+  ++frames_since_recovery_;
   current_.camera_from_world = last_.camera_from_world;
   current_.reference = last_.reference;
-  regaining_ = !last_.tracked;
+  recovering_ = !last_.tracked;
   Predict(outcome);
   const std::optional<PosePrior> expected = prior_;
-  double window_px = regaining_ ? options_.regain_window_px : options_.local_window_px;
-  const bool roughly = last_.tracked ? TrackLastFrame(outcome) || TrackReferenceKeyframe(outcome) : Regain(outcome);
-  const bool trusting = !roughly && expected;
-  if (trusting) {  // a blurred picture, say, matches little that was just seen: the map may hold more
-    Expect(*expected);
-    window_px = options_.regain_window_px;
+  double window_px = recovering_ ? options_.recovery_window_px : options_.local_window_px;
+  const bool coarse_ok = last_.tracked ? TrackLastFrame(outcome) || TrackReferenceKeyframe(outcome) : Recover(outcome);
+  const bool prior_only = !coarse_ok && expected;
+  if (prior_only) {  // a blurred picture, say, matches little that was just seen: the map may hold more
+    RestorePrior(*expected);
+    window_px = options_.recovery_window_px;
   }
-  current_.tracked = (roughly || trusting) && TrackLocalMap(window_px, outcome) && !(trusting && MostlyOutliers());
+  current_.tracked =
+      (coarse_ok || prior_only) && TrackLocalMap(window_px, outcome) && !(prior_only && IsOutlierDominated());
   if (!current_.tracked) {
     // The last known pose stays the place to search from; the frame itself has none.
     current_.camera_from_world = last_.camera_from_world;
@@ -93,17 +94,17 @@ void Tracker::TrackInMap(const WorkerStatus& status, bool map_changed, TrackOutc
     motion_.Forget();
     return;
   }
-  if (regaining_) {
-    frames_since_regained_ = 0;
+  if (recovering_) {
+    frames_since_recovery_ = 0;
     motion_.Forget();
   } else {
     motion_.Observe(current_.camera_from_world * last_.camera_from_world.Inverse(),
                     current_.timestamp_s - last_.timestamp_s);
   }
-  for (const auto* matches : {&association_.used, &association_.set_aside}) {
+  for (const auto* matches : {&association_.used, &association_.deferred}) {
     for (const PointMatch& match : *matches) {
       current_.points[match.keypoint] = map_->ids[match.point];
-      current_.sightings.push_back({match.keypoint, match.point});
+      current_.observations.push_back({match.keypoint, match.point});
     }
   }
   ChooseReference(outcome);
@@ -131,7 +132,7 @@ void Tracker::Rebase() {
   if (const LocalKeyframe* reference = map_->Find(last_.reference)) {
     last_.camera_from_world = last_.camera_from_reference * reference->camera_from_world;
   }
-  last_.sightings = FindSightings(last_.points, *map_);
+  last_.observations = FindObservations(last_.points, *map_);
   uses_.Rebase(map_);
 }
 
@@ -147,10 +148,10 @@ void Tracker::Predict(TrackOutcome* outcome) {
   current_.camera_from_world = *current_from_last * last_.camera_from_world;
   prior_ = motion_.Prior(current_.camera_from_world, seconds);
   const LocalKeyframe* reference = map_->Find(last_.reference);
-  if (prior_ && options_.alignment.enabled && reference != nullptr &&
+  if (prior_ && options_.registration.enabled && reference != nullptr &&
       !(options_.association.use_semantics && static_samples_.empty())) {
-    prior_ = AlignSurface(*current_.data, static_samples_, *reference->data, reference->camera_from_world, *prior_,
-                          options_.alignment);
+    prior_ = RegisterDepth(*current_.data, static_samples_, *reference->data, reference->camera_from_world, *prior_,
+                           options_.registration);
     current_.camera_from_world = prior_->camera_from_world;
   }
   outcome->pose_ms += watch.Milliseconds();
@@ -195,12 +196,12 @@ void Tracker::OptimizeUsed() {
 bool Tracker::TrackLastFrame(TrackOutcome* outcome) {
   Stopwatch watch;
   const auto search = [&](double window_px) {
-    return SearchLastFrame(*last_.data, last_.sightings, *current_.data, current_.camera_from_world, *map_, pyramid_,
+    return SearchLastFrame(*last_.data, last_.observations, *current_.data, current_.camera_from_world, *map_, pyramid_,
                            window_px);
   };
   const double most_px = options_.motion_window_px;
   std::vector<PointMatch> matches =
-      search(prior_ ? std::min(most_px, SearchReach(*prior_, current_.data->camera().fx)) : most_px);
+      search(prior_ ? std::min(most_px, SearchRadius(*prior_, current_.data->camera().fx)) : most_px);
   if (std::ssize(matches) < options_.min_motion_matches) {
     matches = search(2 * most_px);
   }
@@ -224,10 +225,10 @@ bool Tracker::TrackReferenceKeyframe(TrackOutcome* outcome) {
          OptimizeFrom(matches, outcome) >= options_.min_motion_inliers;
 }
 
-bool Tracker::Regain(TrackOutcome* outcome) {
+bool Tracker::Recover(TrackOutcome* outcome) {
   Stopwatch watch;
-  const Eigen::Vector3d last_centre = last_.camera_from_world.Inverse().translation;
-  for (const LocalKeyframe* keyframe : NearestKeyframes(*map_, last_centre, options_.regain_keyframes)) {
+  const Eigen::Vector3d last_center = last_.camera_from_world.Inverse().translation;
+  for (const LocalKeyframe* keyframe : NearestKeyframes(*map_, last_center, options_.recovery_keyframes)) {
     outliers_.clear();
     std::vector<PointMatch> matches = MatchKeyframe(*keyframe, *current_.data, options_.reference_ratio);
     const Association selected = Select(matches);
@@ -246,7 +247,7 @@ bool Tracker::Regain(TrackOutcome* outcome) {
 }
 
 // Back to the pose that was expected before anything was matched.
-void Tracker::Expect(const PosePrior& expected) {
+void Tracker::RestorePrior(const PosePrior& expected) {
   prior_ = expected;
   current_.camera_from_world = expected.camera_from_world;
   association_ = {};
@@ -257,7 +258,7 @@ bool Tracker::TrackLocalMap(double window_px, TrackOutcome* outcome) {
   Stopwatch watch;
   // All points matched so far keep their keypoints, dynamic and unused ones too: a static point must not take those.
   std::vector<PointMatch> matches = association_.used;
-  matches.insert(matches.end(), association_.set_aside.begin(), association_.set_aside.end());
+  matches.insert(matches.end(), association_.deferred.begin(), association_.deferred.end());
   matches.insert(matches.end(), association_.dynamic.begin(), association_.dynamic.end());
   std::vector<std::uint8_t> taken(map_->size(), 0);
   std::vector<std::uint8_t> occupied(current_.data->size(), 0);
@@ -271,9 +272,9 @@ bool Tracker::TrackLocalMap(double window_px, TrackOutcome* outcome) {
   outliers_.clear();
   outcome->local_map_ms += watch.Milliseconds();
   OptimizeFrom(matches, outcome);
-  SettleUnknown(outcome);
+  ResolveUnknown(outcome);
   CountUse(search);
-  return StandsFirm();
+  return HasEnoughInliers();
 }
 
 bool Tracker::Agrees(const PointMatch& match) const {
@@ -285,15 +286,15 @@ bool Tracker::Agrees(const PointMatch& match) const {
          residual_px.squaredNorm() * observation.keypoint.inverse_sigma2 < bound;
 }
 
-void Tracker::SettleUnknown(TrackOutcome* outcome) {
+void Tracker::ResolveUnknown(TrackOutcome* outcome) {
   const Stopwatch watch;
   std::vector<PointMatch> agreeing;
-  for (const PointMatch& match : association_.set_aside) {
+  for (const PointMatch& match : association_.deferred) {
     (Agrees(match) ? agreeing : outliers_).push_back(match);
   }
-  association_.set_aside.clear();
-  if (options_.association.unknown == UnknownPoints::kGated &&
-      association_.static_count < options_.association.few_static && !agreeing.empty()) {
+  association_.deferred.clear();
+  if (options_.association.unknown == UnknownPoints::kDeferred &&
+      association_.static_count < options_.association.min_static_inliers && !agreeing.empty()) {
     // Together they may weigh as much as the static ones, not more.
     double static_weight2 = 0;
     double unknown_weight2 = 0;
@@ -310,25 +311,25 @@ void Tracker::SettleUnknown(TrackOutcome* outcome) {
     }
     OptimizeUsed();
   } else {
-    association_.set_aside = std::move(agreeing);
+    association_.deferred = std::move(agreeing);
   }
   outcome->pose_ms += watch.Milliseconds();
 }
 
 // Static points are known to be what they seem, so fewer of them make a pose.
-bool Tracker::StandsFirm() const {
+bool Tracker::HasEnoughInliers() const {
   const auto inliers = static_cast<int>(association_.used.size());
-  const int enough = regaining_ ? options_.min_regain_inliers : options_.min_inliers;
-  const int enough_static = regaining_ ? options_.min_inliers : options_.association.tau;
+  const int enough = recovering_ ? options_.min_recovery_inliers : options_.min_inliers;
+  const int enough_static = recovering_ ? options_.min_inliers : options_.association.tau;
   return inliers >= enough || association_.static_count >= std::max(enough_static, 1);
 }
 
 // With a pose that is wrong, wide windows find many matches, of which some agree by chance.
-bool Tracker::MostlyOutliers() const { return 2 * association_.used.size() < outliers_.size(); }
+bool Tracker::IsOutlierDominated() const { return 2 * association_.used.size() < outliers_.size(); }
 
 void Tracker::CountUse(const LocalSearch& search) {
   uses_.CountVisible(search.visible);
-  for (const auto* matches : {&association_.used, &association_.set_aside}) {
+  for (const auto* matches : {&association_.used, &association_.deferred}) {
     for (const PointMatch& match : *matches) {
       uses_.CountFound(match.point);
     }
@@ -349,10 +350,10 @@ void Tracker::ChooseReference(TrackOutcome* outcome) {
 KeyframeSituation Tracker::Situation(const WorkerStatus& status) const {
   KeyframeSituation situation;
   situation.frames_since_keyframe = frames_since_keyframe_;
-  situation.frames_since_regained = frames_since_regained_;
+  situation.frames_since_recovery = frames_since_recovery_;
   situation.mapping_idle = status.mapping_idle;
   situation.segmenter_idle = status.segmenter_idle;
-  situation.inliers = static_cast<int>(association_.used.size() + association_.set_aside.size());
+  situation.inliers = static_cast<int>(association_.used.size() + association_.deferred.size());
   const LocalKeyframe* reference = map_->Find(current_.reference);
   Check(reference != nullptr, "the reference keyframe is in the snapshot");
   const AssociationOptions& association = options_.association;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Tracking: the pose of each frame against an immutable snapshot of the map.
 #pragma once
 
@@ -9,15 +10,15 @@
 #include "base/ids.h"
 #include "map/keyframe_candidate.h"
 #include "map/local_map.h"
-#include "optim/pose_optimizer.h"
-#include "propagation/label_field.h"
 #include "map/moving_probability.h"
+#include "optim/pose_optimizer.h"
+#include "propagation/label_propagation.h"
 #include "tracking/data_association.h"
+#include "tracking/depth_registration.h"
 #include "tracking/keyframe_policy.h"
 #include "tracking/motion_model.h"
 #include "tracking/point_uses.h"
 #include "tracking/projection_search.h"
-#include "tracking/surface_alignment.h"
 
 namespace rds {
 
@@ -29,16 +30,16 @@ struct TrackerOptions {
   double reference_ratio = 0.7;
   int min_reference_matches = 15;
   double local_window_px = 3;
-  double regain_window_px = 10;
+  double recovery_window_px = 10;
   double local_ratio = 0.8;
-  int min_inliers = 30;         // of a tracked frame; static ones alone need only tau
-  int min_regain_inliers = 50;  // when regaining; static ones alone need only min_inliers
-  int regain_keyframes = 10;    // nearest keyframes that are tried
-  double close_baselines = 40;  // depth below so many baselines is close
+  int min_inliers = 30;           // of a tracked frame; static ones alone need only tau
+  int min_recovery_inliers = 50;  // when recovery; static ones alone need only min_inliers
+  int recovery_keyframes = 10;    // nearest keyframes that are tried
+  double close_baselines = 40;    // depth below so many baselines is close
   AssociationOptions association;
   SurfaceLabelOptions surface;  // of the labels that Track is given
   MotionOptions motion;
-  SurfaceAlignmentOptions alignment;
+  DepthRegistrationOptions registration;
   KeyframePolicyOptions policy;
 };
 
@@ -74,7 +75,7 @@ class Tracker {
   // newest there is, or null.
   TrackOutcome Track(FrameId frame, double timestamp_s, std::shared_ptr<const FrameData> data,
                      std::shared_ptr<const LocalMap> map, const WorkerStatus& status,
-                     std::shared_ptr<const LabelField> labels);
+                     std::shared_ptr<const PropagatedLabels> labels);
 
   // The frame just tracked as a keyframe; to be called at most once, after Track said wants_keyframe.
   [[nodiscard]] KeyframeCandidate MakeCandidate();
@@ -89,8 +90,8 @@ class Tracker {
     Rigid3 camera_from_world;
     KeyframeId reference;
     Rigid3 camera_from_reference;
-    std::vector<PointId> points;          // of each keypoint, inliers only
-    std::vector<LastSighting> sightings;  // the same as the snapshot has them
+    std::vector<PointId> points;                // of each keypoint, inliers only
+    std::vector<LastObservation> observations;  // the same as the snapshot has them
     bool tracked = false;
   };
 
@@ -98,26 +99,26 @@ class Tracker {
   void TrackInMap(const WorkerStatus& status, bool map_changed, TrackOutcome* outcome);
   [[nodiscard]] Association Select(std::span<const PointMatch> matches) const;
   // What the labels say of the current frame, where a steady motion would have brought the camera.
-  void LookUp(std::shared_ptr<const LabelField> labels);
+  void LookUp(std::shared_ptr<const PropagatedLabels> labels);
   void Rebase();
   // The pose to be expected, and what is known of it before anything is matched.
   void Predict(TrackOutcome* outcome);
   bool TrackLastFrame(TrackOutcome* outcome);
   bool TrackReferenceKeyframe(TrackOutcome* outcome);
-  bool Regain(TrackOutcome* outcome);
-  void Expect(const PosePrior& expected);
+  bool Recover(TrackOutcome* outcome);
+  void RestorePrior(const PosePrior& expected);
   // `window_px` is searched around each point.
   bool TrackLocalMap(double window_px, TrackOutcome* outcome);
   // Pose from the matches that Algorithm 2 lets through; keeps the inliers in matches_. Returns their number.
   int OptimizeFrom(std::span<const PointMatch> matches, TrackOutcome* outcome);
-  // Optimises the pose over association_.used and keeps the inliers there.
+  // Optimizes the pose over association_.used and keeps the inliers there.
   void OptimizeUsed();
   // Drops unknown matches that were not needed for the pose and do not agree with it; lets the others in where static
-  // ones are few (UnknownPoints::kGated).
-  void SettleUnknown(TrackOutcome* outcome);
+  // ones are few (UnknownPoints::kDeferred).
+  void ResolveUnknown(TrackOutcome* outcome);
   [[nodiscard]] bool Agrees(const PointMatch& match) const;
-  [[nodiscard]] bool StandsFirm() const;
-  [[nodiscard]] bool MostlyOutliers() const;
+  [[nodiscard]] bool HasEnoughInliers() const;
+  [[nodiscard]] bool IsOutlierDominated() const;
   void ChooseReference(TrackOutcome* outcome);
   void CountUse(const LocalSearch& search);
   [[nodiscard]] PoseObservation Observe(const PointMatch& match) const;
@@ -135,12 +136,12 @@ class Tracker {
   Frame current_;
   MotionModel motion_;
   std::optional<PosePrior> prior_;  // of the current frame
-  Association association_;         // of the latest pose optimisation; `used` are inliers
+  Association association_;         // of the latest pose optimization; `used` are inliers
   std::vector<PointMatch> outliers_;
   bool started_ = false;
-  bool regaining_ = false;
+  bool recovering_ = false;
   int frames_since_keyframe_ = 0;
-  int frames_since_regained_ = 1 << 20;
+  int frames_since_recovery_ = 1 << 20;
   PointUses uses_;
 };
 

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Feeds broken input of every kind to the readers and to the whole program.
 
     fuzz.py DRIVER RDS [--inputs N] [--seed S] [--keep FOLDER] [--jobs J]
@@ -63,7 +64,7 @@ def images():
     color = PIL.Image.fromarray(picture())
     mask = PIL.Image.fromarray(((picture()[:, :, 0] > 100) * 255).astype(numpy.uint8))
     depth = PIL.Image.fromarray(depth_picture())
-    metres = PIL.Image.fromarray((depth_picture() / 5000).astype(numpy.float32))
+    meters = PIL.Image.fromarray((depth_picture() / 5000).astype(numpy.float32))
     npy = io.BytesIO()
     numpy.save(npy, (depth_picture() / 5000).astype(numpy.float32))
     pgm16 = b"P5\n%d %d\n65535\n" % (WIDTH, HEIGHT) + depth_picture().astype(">u2").tobytes()
@@ -75,7 +76,7 @@ def images():
                   encoded(color.convert("L"), "JPEG"), encoded(color.convert("RGBA"), "PNG")],
         "mask": [encoded(mask, "PNG"), encoded(mask.convert("1"), "PNG"), encoded(color, "PNG")],
         "depth": [encoded(depth, "PNG"), encoded(depth, "TIFF"), encoded(depth, "TIFF", compression="tiff_adobe_deflate"),
-                  encoded(metres, "TIFF"), npy.getvalue(), pgm16],
+                  encoded(meters, "TIFF"), npy.getvalue(), pgm16],
     }
 
 
@@ -86,7 +87,7 @@ fy: 44
 cx: 24
 cy: 18
 distortion: [0.26, -0.95, -0.005, 0.002, 1.16]
-depth_scale: 5000  # units in a metre
+depth_scale: 5000  # units in a meter
 baseline_m: 0.08
 """
 CAMERAS = [CAMERA, CAMERA.replace(b"distortion: [0.26, -0.95, -0.005, 0.002, 1.16]",
@@ -370,7 +371,7 @@ class Fuzzer:
         self.sequence_folder(random_, sequence, 0)
         for name, data in (("o.yaml", OPTIONS[0]), ("c.yaml", CAMERA), ("t.txt", TRUTH)):
             (folder / name).write_bytes(data)
-        values = ["", "-1", "0", "1e400", "nan", "9" * 30, "\udcff", "a=b", "orb.features=10000", "orb.moving_share=10", "1:3",
+        values = ["", "-1", "0", "1e400", "nan", "9" * 30, "\udcff", "a=b", "orb.features=10000", "orb.moving_ratio=10", "1:3",
                   "3:1", ":", "o.yaml", "c.yaml", "t.txt", "sequence", "/dev/full", "/dev/null", ".", "none", "stored",
                   "tum_fr1", "x" * 5000, "--", "-h", "*", "orb.levels=8", "--out", "semantic.backlog=1"]
         options = ["--set", "--config", "--camera", "--frames", "--rate", "--segmenter", "--model", "--video", "--still",

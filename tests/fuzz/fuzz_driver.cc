@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Reads what people give the program, one input after the other, for the fuzzer beside it: lines "KIND PATH" on standard
 // input, and a line "ok ..." or "error ..." for each on standard output. Anything but InputError ends it.
 #include <spdlog/spdlog.h>

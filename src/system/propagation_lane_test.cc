@@ -1,4 +1,5 @@
-#include "system/label_follower.h"
+// SPDX-License-Identifier: Apache-2.0
+#include "system/propagation_lane.h"
 
 #include <gtest/gtest.h>
 
@@ -12,10 +13,10 @@
 namespace rds {
 namespace {
 
-LabelFollower::TrackedFrame Frame(std::uint32_t frame) { return {FrameId{frame}, SeeBoard({20, 40}), {}, nullptr}; }
+PropagationLane::TrackedFrame Frame(std::uint32_t frame) { return {FrameId{frame}, SeeBoard({20, 40}), {}, nullptr}; }
 
 // Waits for the labels of a frame, a few seconds at most.
-bool Arrives(const LabelFollower& follower, FrameId frame) {
+bool Arrives(const PropagationLane& follower, FrameId frame) {
   for (int i = 0; i < 5000; ++i) {
     const auto newest = follower.Newest(frame);
     if (newest && newest->frame == frame) {
@@ -28,8 +29,8 @@ bool Arrives(const LabelFollower& follower, FrameId frame) {
 
 void NeverFails(std::exception_ptr /*error*/) { ADD_FAILURE(); }
 
-TEST(LabelFollowerTest, PublishesTheLabelsOfTheNewestFrame) {
-  LabelFollower follower({}, {}, false, NeverFails);
+TEST(PropagationLaneTest, PublishesTheLabelsOfTheNewestFrame) {
+  PropagationLane follower({}, {}, false, NeverFails);
   EXPECT_EQ(follower.Newest(FrameId{0}), nullptr);
   for (const std::uint32_t frame : {0U, 1U, 5U}) {
     follower.Offer(Frame(frame));
@@ -37,8 +38,8 @@ TEST(LabelFollowerTest, PublishesTheLabelsOfTheNewestFrame) {
   }
 }
 
-TEST(LabelFollowerTest, WorksAtOnceInLockstep) {
-  LabelFollower follower({}, {}, true, NeverFails);
+TEST(PropagationLaneTest, WorksAtOnceInLockstep) {
+  PropagationLane follower({}, {}, true, NeverFails);
   for (const std::uint32_t frame : {0U, 1U, 5U}) {
     follower.Offer(Frame(frame));
     ASSERT_NE(follower.Newest(FrameId{frame + 1}), nullptr);
@@ -48,30 +49,30 @@ TEST(LabelFollowerTest, WorksAtOnceInLockstep) {
   EXPECT_EQ(follower.Newest(FrameId{12}), nullptr);  // too old for it
 }
 
-TEST(LabelFollowerTest, PassesTheLabelsOfViewsOn) {
-  LabelFollower follower({}, {}, true, NeverFails);
+TEST(PropagationLaneTest, PassesTheLabelsOfViewsOn) {
+  PropagationLane follower({}, {}, true, NeverFails);
   const std::vector<KeypointLabel> labels(std::size_t{kBoardColumns} * kBoardRows, KeypointLabel::kStatic);
-  LabelFollower::TrackedFrame frame = Frame(0);
-  frame.views = std::make_shared<const std::vector<SeenView>>(1, MakeView(FrameId{0}, frame.data, {}, labels));
+  PropagationLane::TrackedFrame frame = Frame(0);
+  frame.views = std::make_shared<const std::vector<DepthView>>(1, MakeView(FrameId{0}, frame.data, {}, labels));
   follower.Offer(frame);
   EXPECT_TRUE(follower.Newest(FrameId{1})->labels[SampleAt(30, 30)].IsKnown());
 }
 
-TEST(LabelFollowerTest, NeverWaitsAndEndsWithFramesUnderWay) {
-  LabelFollower follower({}, {}, false, NeverFails);
+TEST(PropagationLaneTest, NeverWaitsAndEndsWithFramesUnderWay) {
+  PropagationLane follower({}, {}, false, NeverFails);
   for (std::uint32_t frame = 0; frame < 300; ++frame) {
     follower.Offer(Frame(frame));
   }
 }
 
-TEST(LabelFollowerTest, AnErrorOfItsThreadIsTold) {
+TEST(PropagationLaneTest, AnErrorOfItsThreadIsTold) {
   const DepthGrid without_samples{80, 60, {}};
   const auto broken = std::make_shared<const FrameData>(TestCamera(), std::vector<Keypoint>{},
                                                         std::vector<Descriptor>{}, without_samples);
-  LabelFollower lockstep({}, {}, true, NeverFails);
+  PropagationLane lockstep({}, {}, true, NeverFails);
   EXPECT_THROW(lockstep.Offer({FrameId{0}, broken, {}, nullptr}), InvariantError);
   Failure failure;
-  LabelFollower threaded({}, {}, false, [&](std::exception_ptr error) { failure.Set(std::move(error)); });
+  PropagationLane threaded({}, {}, false, [&](std::exception_ptr error) { failure.Set(std::move(error)); });
   for (std::uint32_t frame = 0; frame < 5000 && !failure.Happened(); ++frame) {
     threaded.Offer({FrameId{frame}, broken, {}, nullptr});
     std::this_thread::sleep_for(std::chrono::milliseconds(1));

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Finding the camera again from a keyframe, without a motion model.
 #pragma once
 
@@ -20,8 +21,8 @@ namespace rds {
 [[nodiscard]] std::optional<Rigid3> RansacPose(const FrameData& current, std::span<const PointMatch> matches,
                                                const LocalMap& map, const ScalePyramid& pyramid, int min_inliers);
 
-// The keyframes of a map whose camera centres are nearest to a place, nearest first, `most` of them at most.
-[[nodiscard]] std::vector<const LocalKeyframe*> NearestKeyframes(const LocalMap& map, const Eigen::Vector3d& centre,
+// The keyframes of a map whose camera centers are nearest to a place, nearest first, `most` of them at most.
+[[nodiscard]] std::vector<const LocalKeyframe*> NearestKeyframes(const LocalMap& map, const Eigen::Vector3d& center,
                                                                  int most);
 
 }  // namespace rds

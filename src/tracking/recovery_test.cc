@@ -1,4 +1,5 @@
-#include "tracking/regain.h"
+// SPDX-License-Identifier: Apache-2.0
+#include "tracking/recovery.h"
 
 #include <gtest/gtest.h>
 
@@ -140,12 +141,12 @@ TEST(RansacPose, NeedsThreeKeypointsWithDepth) {
   EXPECT_THAT(*pose, RigidNear(scene.pose, 2e-3, 0.1));
 }
 
-TEST(NearestKeyframes, AreSortedByTheDistanceOfTheirCentres) {
+TEST(NearestKeyframes, AreSortedByTheDistanceOfTheirCenters) {
   LocalMap map;
   for (const double x : {3.0, 1.0, -2.0, 1.0}) {
     LocalKeyframe keyframe;
     keyframe.id = KeyframeId{static_cast<std::uint32_t>(map.keyframes.size())};
-    keyframe.camera_from_world.translation = {-x, 0, 0};  // the centre is at x
+    keyframe.camera_from_world.translation = {-x, 0, 0};  // the center is at x
     map.keyframes.push_back(keyframe);
   }
   const auto ids = [&](int most) {

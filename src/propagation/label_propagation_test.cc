@@ -1,4 +1,5 @@
-#include "propagation/label_field.h"
+// SPDX-License-Identifier: Apache-2.0
+#include "propagation/label_propagation.h"
 
 #include <gtest/gtest.h>
 
@@ -24,7 +25,7 @@ std::vector<KeypointLabel> LabelsOf(const Board& board) {
   return labels;
 }
 
-SeenView Labelled(std::uint32_t frame, const Board& board) {
+DepthView Labeled(std::uint32_t frame, const Board& board) {
   return MakeView(FrameId{frame}, SeeBoard(board), {}, LabelsOf(board));
 }
 
@@ -34,38 +35,42 @@ FreeSpaceOptions NoSpace() {
   return space;
 }
 
-const SurfaceLabel& At(const LabelField& field, int column, int row = kRow) {
+const SurfaceLabel& At(const PropagatedLabels& field, int column, int row = kRow) {
   return field.labels[SampleAt(column, row)];
 }
 
-bool IsDynamic(const LabelField& field, int column) { return At(field, column).IsKnown() && At(field, column).dynamic; }
+bool IsDynamic(const PropagatedLabels& field, int column) {
+  return At(field, column).IsKnown() && At(field, column).dynamic;
+}
 
-bool IsStatic(const LabelField& field, int column) { return At(field, column).IsKnown() && !At(field, column).dynamic; }
+bool IsStatic(const PropagatedLabels& field, int column) {
+  return At(field, column).IsKnown() && !At(field, column).dynamic;
+}
 
-// Shows a carrier frames of a board that moves by `step` samples a frame, from the columns 20 to 40 on; `views` come
+// Shows a propagator frames of a board that moves by `step` samples a frame, from the columns 20 to 40 on; `views` come
 // with the last one.
-std::shared_ptr<const LabelField> Walk(LabelCarrier& carrier, std::uint32_t frames, int step,
-                                       const std::vector<SeenView>& views) {
-  std::shared_ptr<const LabelField> field;
+std::shared_ptr<const PropagatedLabels> Walk(LabelPropagator& propagator, std::uint32_t frames, int step,
+                                             const std::vector<DepthView>& views) {
+  std::shared_ptr<const PropagatedLabels> field;
   for (std::uint32_t frame = 0; frame < frames; ++frame) {
     const int moved = step * static_cast<int>(frame);
-    const std::vector<SeenView> now = frame + 1 == frames ? views : std::vector<SeenView>{};
-    field = carrier.Next(FrameId{frame}, *SeeBoard({20 + moved, 40 + moved}), {}, now);
+    const std::vector<DepthView> now = frame + 1 == frames ? views : std::vector<DepthView>{};
+    field = propagator.Next(FrameId{frame}, *SeeBoard({20 + moved, 40 + moved}), {}, now);
   }
   return field;
 }
 
-TEST(LabelCarrier, NothingIsKnownBeforeTheFirstLabel) {
-  LabelCarrier carrier({}, {});
-  const auto field = Walk(carrier, 3, 1, {});
+TEST(LabelPropagator, NothingIsKnownBeforeTheFirstLabel) {
+  LabelPropagator propagator({}, {});
+  const auto field = Walk(propagator, 3, 1, {});
   EXPECT_EQ(field->frame, FrameId{2});
   EXPECT_TRUE(std::ranges::none_of(field->labels, &SurfaceLabel::IsKnown));
   EXPECT_TRUE(field->motion.empty());
 }
 
-TEST(LabelCarrier, ALabelIsAtItsPlaceInItsOwnFrame) {
-  LabelCarrier carrier({}, NoSpace());
-  const auto field = Walk(carrier, 1, 0, {Labelled(0, {20, 40})});
+TEST(LabelPropagator, ALabelIsAtItsPlaceInItsOwnFrame) {
+  LabelPropagator propagator({}, NoSpace());
+  const auto field = Walk(propagator, 1, 0, {Labeled(0, {20, 40})});
   EXPECT_TRUE(IsDynamic(*field, 20));
   EXPECT_TRUE(IsDynamic(*field, 39));
   EXPECT_TRUE(IsStatic(*field, 19));
@@ -73,9 +78,9 @@ TEST(LabelCarrier, ALabelIsAtItsPlaceInItsOwnFrame) {
   EXPECT_EQ(At(*field, 30).distance_px, 0);
 }
 
-TEST(LabelCarrier, ALateLabelReachesThePersonWhereItIsNow) {
-  LabelCarrier carrier({}, NoSpace());
-  const auto field = Walk(carrier, 11, 2, {Labelled(0, {20, 40})});  // now in the columns 40 to 60
+TEST(LabelPropagator, ALateLabelReachesThePersonWhereItIsNow) {
+  LabelPropagator propagator({}, NoSpace());
+  const auto field = Walk(propagator, 11, 2, {Labeled(0, {20, 40})});  // now in the columns 40 to 60
   EXPECT_TRUE(IsStatic(*field, 22));       // was covered when the label was made; the wall's own label reaches it
   EXPECT_FALSE(At(*field, 39).IsKnown());  // but not that far
   EXPECT_TRUE(IsDynamic(*field, 40));
@@ -83,14 +88,14 @@ TEST(LabelCarrier, ALateLabelReachesThePersonWhereItIsNow) {
   EXPECT_TRUE(IsStatic(*field, 60));
 }
 
-TEST(LabelCarrier, LabelsAreHandedOnUntilTheyAreTooFarFromTheirOrigin) {
-  LabelCarryOptions options;
-  options.frame_cost_px = 10;
-  options.surface.static_reach_px = 50;
-  LabelCarrier carrier(options, NoSpace());
-  auto field = Walk(carrier, 1, 0, {Labelled(0, {20, 40})});
+TEST(LabelPropagator, LabelsAreHandedOnUntilTheyAreTooFarFromTheirOrigin) {
+  PropagationOptions options;
+  options.age_penalty_px = 10;
+  options.surface.max_static_distance_px = 50;
+  LabelPropagator propagator(options, NoSpace());
+  auto field = Walk(propagator, 1, 0, {Labeled(0, {20, 40})});
   const auto next = [&](std::uint32_t frame) {
-    return carrier.Next(FrameId{frame}, *SeeBoard({20, 40}), {}, std::vector<SeenView>{});
+    return propagator.Next(FrameId{frame}, *SeeBoard({20, 40}), {}, std::vector<DepthView>{});
   };
   field = next(1);
   EXPECT_EQ(At(*field, 10).distance_px, 10);
@@ -104,90 +109,90 @@ TEST(LabelCarrier, LabelsAreHandedOnUntilTheyAreTooFarFromTheirOrigin) {
   EXPECT_FALSE(At(*field, 30).IsKnown());
 }
 
-TEST(LabelCarrier, AViewIsCarriedOnce) {
-  LabelCarryOptions options;
-  options.frame_cost_px = 10;
-  LabelCarrier carrier(options, NoSpace());
-  const std::vector<SeenView> first{Labelled(0, {20, 40})};
-  auto field = Walk(carrier, 1, 0, first);
+TEST(LabelPropagator, AViewIsCarriedOnce) {
+  PropagationOptions options;
+  options.age_penalty_px = 10;
+  LabelPropagator propagator(options, NoSpace());
+  const std::vector<DepthView> first{Labeled(0, {20, 40})};
+  auto field = Walk(propagator, 1, 0, first);
   // Nobody says any more that the board is static; the same view, shown again, must not either.
-  field = carrier.Next(FrameId{1}, *SeeBoard({20, 40}), {}, first);
+  field = propagator.Next(FrameId{1}, *SeeBoard({20, 40}), {}, first);
   EXPECT_EQ(At(*field, 30).distance_px, 10);
 }
 
-TEST(LabelCarrier, ANewerLabelOverrulesAnOlderOne) {
-  LabelCarrier carrier({}, NoSpace());
-  auto field = Walk(carrier, 3, 0, {Labelled(0, {20, 40})});
-  const std::vector<SeenView> views{Labelled(2, {}), Labelled(0, {20, 40})};  // the later mask misses the board
-  field = carrier.Next(FrameId{3}, *SeeBoard({20, 40}), {}, views);
+TEST(LabelPropagator, ANewerLabelOverrulesAnOlderOne) {
+  LabelPropagator propagator({}, NoSpace());
+  auto field = Walk(propagator, 3, 0, {Labeled(0, {20, 40})});
+  const std::vector<DepthView> views{Labeled(2, {}), Labeled(0, {20, 40})};  // the later mask misses the board
+  field = propagator.Next(FrameId{3}, *SeeBoard({20, 40}), {}, views);
   EXPECT_TRUE(IsStatic(*field, 30));
 }
 
-TEST(LabelCarrier, OnlyDynamicLabelsGoWithAMovingSurface) {
+TEST(LabelPropagator, OnlyDynamicLabelsGoWithAMovingSurface) {
   for (const bool dynamic : {true, false}) {
-    LabelCarrier carrier({}, NoSpace());
-    const std::vector<SeenView> views{Labelled(0, dynamic ? Board{20, 40} : Board{})};
-    Walk(carrier, 1, 0, views);
-    const auto field = carrier.Next(FrameId{1}, *SeeBoard({21, 41}), {}, views);
+    LabelPropagator propagator({}, NoSpace());
+    const std::vector<DepthView> views{Labeled(0, dynamic ? Board{20, 40} : Board{})};
+    Walk(propagator, 1, 0, views);
+    const auto field = propagator.Next(FrameId{1}, *SeeBoard({21, 41}), {}, views);
     EXPECT_EQ(At(*field, 40).dynamic, dynamic);
     // The leading edge has its own label, or one that has spread there from the sample beside it.
-    const int cost_px = LabelCarryOptions{}.frame_cost_px;
+    const int cost_px = PropagationOptions{}.age_penalty_px;
     EXPECT_EQ(At(*field, 40).distance_px, dynamic ? cost_px : cost_px + kDepthGridStep);
   }
 }
 
-TEST(LabelCarrier, APlaceMovesWithTheCamera) {
-  LabelCarrier carrier({}, NoSpace());
-  Walk(carrier, 1, 0, {Labelled(0, {20, 40})});
+TEST(LabelPropagator, APlaceMovesWithTheCamera) {
+  LabelPropagator propagator({}, NoSpace());
+  Walk(propagator, 1, 0, {Labeled(0, {20, 40})});
   Rigid3 aside;
   aside.translation = {-0.24, 0, 0};  // to the right: the board shifts by ten samples to the left, the wall by five
-  const auto field = carrier.Next(FrameId{1}, *SeeBoard({10, 30}), aside, std::vector<SeenView>{});
+  const auto field = propagator.Next(FrameId{1}, *SeeBoard({10, 30}), aside, std::vector<DepthView>{});
   EXPECT_TRUE(IsDynamic(*field, 10));
   EXPECT_TRUE(IsDynamic(*field, 29));
   EXPECT_TRUE(IsStatic(*field, 9));
-  EXPECT_EQ(At(*field, 60).distance_px, LabelCarryOptions{}.frame_cost_px);
+  EXPECT_EQ(At(*field, 60).distance_px, PropagationOptions{}.age_penalty_px);
   EXPECT_TRUE(IsStatic(*field, 60));
 }
 
-TEST(LabelCarrier, AddsWhatHasMovedInThroughSpace) {
+TEST(LabelPropagator, AddsWhatHasMovedInThroughSpace) {
   for (const bool enabled : {true, false}) {
     FreeSpaceOptions space;
     space.enabled = enabled;
-    LabelCarrier carrier({}, space);
-    Walk(carrier, 1, 0, {});
-    const std::vector<SeenView> views{Labelled(0, {})};  // nothing but the wall
-    const auto field = carrier.Next(FrameId{1}, *SeeBoard({50, 60}), {}, views);
+    LabelPropagator propagator({}, space);
+    Walk(propagator, 1, 0, {});
+    const std::vector<DepthView> views{Labeled(0, {})};  // nothing but the wall
+    const auto field = propagator.Next(FrameId{1}, *SeeBoard({50, 60}), {}, views);
     EXPECT_EQ(IsDynamic(*field, 55), enabled);
   }
 }
 
-TEST(LabelCarrier, MarksWhatMovesAndTheSamplesBesideIt) {
-  LabelCarrier carrier({}, NoSpace());
-  const auto field = Walk(carrier, 1, 0, {Labelled(0, {20, 40})});
+TEST(LabelPropagator, MarksWhatMovesAndTheSamplesBesideIt) {
+  LabelPropagator propagator({}, NoSpace());
+  const auto field = Walk(propagator, 1, 0, {Labeled(0, {20, 40})});
   ASSERT_EQ(field->motion.size(), field->labels.size());
   EXPECT_EQ(field->motion[SampleAt(18, kRow)], SampleMotion::kNone);
-  EXPECT_EQ(field->motion[SampleAt(19, kRow)], SampleMotion::kBeside);
+  EXPECT_EQ(field->motion[SampleAt(19, kRow)], SampleMotion::kBoundary);
   EXPECT_EQ(field->motion[SampleAt(20, kRow)], SampleMotion::kMoves);
-  EXPECT_EQ(field->motion[SampleAt(30, 9)], SampleMotion::kBeside);
+  EXPECT_EQ(field->motion[SampleAt(30, 9)], SampleMotion::kBoundary);
   EXPECT_EQ(field->motion[SampleAt(30, 8)], SampleMotion::kNone);
-  EXPECT_EQ(field->motion[SampleAt(40, kRow)], SampleMotion::kBeside);
+  EXPECT_EQ(field->motion[SampleAt(40, kRow)], SampleMotion::kBoundary);
   EXPECT_EQ(field->motion[SampleAt(41, kRow)], SampleMotion::kNone);
 }
 
-TEST(LabelCarrier, ALabelOfAFrameItNeverSawOrForgotSaysNothing) {
-  LabelCarrier carrier({}, NoSpace());
-  auto field = Walk(carrier, 2, 0, {Labelled(7, {20, 40})});
+TEST(LabelPropagator, ALabelOfAFrameItNeverSawOrForgotSaysNothing) {
+  LabelPropagator propagator({}, NoSpace());
+  auto field = Walk(propagator, 2, 0, {Labeled(7, {20, 40})});
   EXPECT_FALSE(At(*field, 30).IsKnown());
-  field = Walk(carrier, 100, 0, {Labelled(0, {20, 40})});
+  field = Walk(propagator, 100, 0, {Labeled(0, {20, 40})});
   EXPECT_FALSE(At(*field, 30).IsKnown());
 }
 
-TEST(LabelCarrier, FramesWithoutADepthGridHaveNoLabels) {
-  LabelCarrier carrier({}, {});
+TEST(LabelPropagator, FramesWithoutADepthGridHaveNoLabels) {
+  LabelPropagator propagator({}, {});
   const FrameData bare(TestCamera(), {}, {});
-  Walk(carrier, 1, 0, {Labelled(0, {20, 40})});
-  EXPECT_TRUE(carrier.Next(FrameId{1}, bare, {}, std::vector<SeenView>{})->labels.empty());
-  const auto field = carrier.Next(FrameId{2}, *SeeBoard({20, 40}), {}, std::vector<SeenView>{});
+  Walk(propagator, 1, 0, {Labeled(0, {20, 40})});
+  EXPECT_TRUE(propagator.Next(FrameId{1}, bare, {}, std::vector<DepthView>{})->labels.empty());
+  const auto field = propagator.Next(FrameId{2}, *SeeBoard({20, 40}), {}, std::vector<DepthView>{});
   EXPECT_FALSE(At(*field, 30).IsKnown());
 }
 
@@ -201,8 +206,8 @@ Keypoint KeypointAt(int column, int row, float depth_m) {
 }
 
 TEST(KeypointProbabilities, AreThoseOfTheSurfaceThatTheKeypointLiesOn) {
-  LabelCarrier carrier({}, NoSpace());
-  const auto field = Walk(carrier, 1, 0, {Labelled(0, {20, 40})});
+  LabelPropagator propagator({}, NoSpace());
+  const auto field = Walk(propagator, 1, 0, {Labeled(0, {20, 40})});
   const auto later = SeeBoard({}, {KeypointAt(30, kRow, kBoardDepth),           // on the board
                                    KeypointAt(40, kRow, kBoardDepth),           // it has moved on a little
                                    KeypointAt(50, kRow, kBoardDepth),           // too far for that
@@ -221,13 +226,13 @@ TEST(KeypointProbabilities, AreThoseOfTheSurfaceThatTheKeypointLiesOn) {
 }
 
 TEST(KeypointProbabilities, FadeWithTheDistanceOfTheLabel) {
-  LabelCarrier carrier({}, NoSpace());
-  const auto field = Walk(carrier, 1, 0, {Labelled(0, {20, 40})});
+  LabelPropagator propagator({}, NoSpace());
+  const auto field = Walk(propagator, 1, 0, {Labeled(0, {20, 40})});
   const auto later = SeeBoard({}, {KeypointAt(30, kRow, kBoardDepth), KeypointAt(60, kRow, kWallDepth)});
   double dynamic = KeypointProbabilities(field, later, {}, {})[0];
   double fixed = KeypointProbabilities(field, later, {}, {})[1];
   for (const std::uint32_t frame : {5U, 10U, 15U, 20U}) {
-    const auto handed_on = carrier.Next(FrameId{frame}, *SeeBoard({20, 40}), {}, std::vector<SeenView>{});
+    const auto handed_on = propagator.Next(FrameId{frame}, *SeeBoard({20, 40}), {}, std::vector<DepthView>{});
     const KeypointProbabilities p(handed_on, later, {}, {});
     EXPECT_LT(p[0], dynamic);
     EXPECT_GT(p[1], fixed);
@@ -239,8 +244,8 @@ TEST(KeypointProbabilities, FadeWithTheDistanceOfTheLabel) {
 }
 
 TEST(KeypointProbabilities, LookWhereTheCameraHasMovedTo) {
-  LabelCarrier carrier({}, NoSpace());
-  const auto field = Walk(carrier, 1, 0, {Labelled(0, {20, 40})});
+  LabelPropagator propagator({}, NoSpace());
+  const auto field = Walk(propagator, 1, 0, {Labeled(0, {20, 40})});
   Rigid3 later_from_field;
   later_from_field.translation = {-0.24, 0, 0};  // the board is ten samples to the left now
   const auto later = SeeBoard({}, {KeypointAt(12, kRow, kBoardDepth), KeypointAt(35, kRow, kBoardDepth)});
@@ -250,8 +255,8 @@ TEST(KeypointProbabilities, LookWhereTheCameraHasMovedTo) {
 }
 
 TEST(StaticSamples, AreThoseOfSurfacesThatKeepStill) {
-  LabelCarrier carrier({}, NoSpace());
-  const auto field = Walk(carrier, 1, 0, {Labelled(0, {20, 40})});
+  LabelPropagator propagator({}, NoSpace());
+  const auto field = Walk(propagator, 1, 0, {Labeled(0, {20, 40})});
   const std::vector<std::uint8_t> still = StaticSamples(*field, *SeeBoard({20, 40}), {}, 2);
   ASSERT_EQ(still.size(), SampleAt(0, kBoardRows));
   EXPECT_EQ(still[SampleAt(61, 31)], 1);  // the wall
@@ -259,8 +264,8 @@ TEST(StaticSamples, AreThoseOfSurfacesThatKeepStill) {
   EXPECT_EQ(still[SampleAt(60, 31)], 0);  // not asked for
   EXPECT_EQ(still[SampleAt(61, 30)], 0);
   // Without a label nothing is known to keep still.
-  LabelCarrier unlabelled({}, NoSpace());
-  const std::vector<std::uint8_t> none = StaticSamples(*Walk(unlabelled, 1, 0, {}), *SeeBoard({20, 40}), {}, 1);
+  LabelPropagator unlabeled({}, NoSpace());
+  const std::vector<std::uint8_t> none = StaticSamples(*Walk(unlabeled, 1, 0, {}), *SeeBoard({20, 40}), {}, 1);
   EXPECT_EQ(std::ranges::count(none, 1), 0);
 }
 

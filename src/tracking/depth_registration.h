@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The surfaces that two depth images see, laid over each other.
 #pragma once
 
@@ -10,13 +11,13 @@
 
 namespace rds {
 
-struct SurfaceAlignmentOptions {
+struct DepthRegistrationOptions {
   bool enabled = true;
-  double weight = 0.04;  // of each sample: neighbours err alike, and so does all of a depth image
+  double weight = 0.04;  // of each sample: neighbors err alike, and so does all of a depth image
 };
 
 // Every so many samples of the depth grid in each direction are laid over, from half of it on.
-inline constexpr int kAlignmentStep = 2;
+inline constexpr int kRegistrationStep = 2;
 
 // Lays the depth grid of a frame over that of another view: point to plane, with projective association (Blais and
 // Levine 1995; Chen and Medioni 1992), from the mean of the prior on and never far from it. Returns what is then known
@@ -24,8 +25,8 @@ inline constexpr int kAlignmentStep = 2;
 // that the surfaces leave free. `usable`: 1 for each sample of the frame that may be used; empty = all. Where points
 // are few, near or side by side, this keeps a pose from turning about them. Distortion of the lens, a few pixels and
 // the same in both views, is not taken out. Re-entrant.
-[[nodiscard]] PosePrior AlignSurface(const FrameData& frame, std::span<const std::uint8_t> usable,
-                                     const FrameData& view, const Rigid3& view_from_world, const PosePrior& prior,
-                                     const SurfaceAlignmentOptions& options);
+[[nodiscard]] PosePrior RegisterDepth(const FrameData& frame, std::span<const std::uint8_t> usable,
+                                      const FrameData& view, const Rigid3& view_from_world, const PosePrior& prior,
+                                      const DepthRegistrationOptions& options);
 
 }  // namespace rds

@@ -1,4 +1,5 @@
-#include "tracking/surface_alignment.h"
+// SPDX-License-Identifier: Apache-2.0
+#include "tracking/depth_registration.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -44,17 +45,17 @@ std::optional<Plane> PlaneAt(const PinholeCamera& camera, const DepthGrid& grid,
     return std::nullopt;
   }
   const float* const depth_m = &grid.depth_m[static_cast<std::size_t>(row * grid.columns + column)];
-  const float centre = depth_m[0];
+  const float center = depth_m[0];
   const float left = depth_m[-kReach];
   const float right = depth_m[kReach];
   const float up = depth_m[-kReach * grid.columns];
   const float down = depth_m[kReach * grid.columns];
-  if (!(centre > 0 && left > 0 && right > 0 && up > 0 && down > 0)) {
+  if (!(center > 0 && left > 0 && right > 0 && up > 0 && down > 0)) {
     return std::nullopt;
   }
   const float across = 2 / (1 / left + 1 / right);
   const float along = 2 / (1 / up + 1 / down);
-  if (std::abs(across - centre) > kBend * centre || std::abs(along - centre) > kBend * centre) {
+  if (std::abs(across - center) > kBend * center || std::abs(along - center) > kBend * center) {
     return std::nullopt;
   }
   const auto at = [&](int columns, int rows, float depth) {
@@ -62,7 +63,7 @@ std::optional<Plane> PlaneAt(const PinholeCamera& camera, const DepthGrid& grid,
   };
   const Eigen::Vector3d to_right = at(kReach, 0, right) - at(-kReach, 0, left);
   const Eigen::Vector3d downward = at(0, kReach, down) - at(0, -kReach, up);
-  return Plane{at(0, 0, (2 * centre + across + along) / 4), to_right.cross(downward).normalized()};
+  return Plane{at(0, 0, (2 * center + across + along) / 4), to_right.cross(downward).normalized()};
 }
 
 struct Sample {
@@ -73,8 +74,8 @@ struct Sample {
 std::vector<Sample> CollectSamples(const FrameData& frame, std::span<const std::uint8_t> usable) {
   const DepthGrid& grid = frame.depth_grid();
   std::vector<Sample> samples;
-  for (int row = kAlignmentStep / 2; row < grid.rows; row += kAlignmentStep) {
-    for (int column = kAlignmentStep / 2; column < grid.columns; column += kAlignmentStep) {
+  for (int row = kRegistrationStep / 2; row < grid.rows; row += kRegistrationStep) {
+    for (int column = kRegistrationStep / 2; column < grid.columns; column += kRegistrationStep) {
       const auto i = static_cast<std::size_t>(row * grid.columns + column);
       const float depth_m = grid.depth_m[i];
       if (depth_m > kNearest_m && depth_m < kFarthest_m && (usable.empty() || usable[i] != 0)) {
@@ -129,8 +130,9 @@ Fit Evaluate(const std::vector<Sample>& samples, const FrameData& view, const Ri
 
 }  // namespace
 
-PosePrior AlignSurface(const FrameData& frame, std::span<const std::uint8_t> usable, const FrameData& view,
-                       const Rigid3& view_from_world, const PosePrior& prior, const SurfaceAlignmentOptions& options) {
+PosePrior RegisterDepth(const FrameData& frame, std::span<const std::uint8_t> usable, const FrameData& view,
+                        const Rigid3& view_from_world, const PosePrior& prior,
+                        const DepthRegistrationOptions& options) {
   const std::vector<Sample> samples = CollectSamples(frame, usable);
   PosePrior result = prior;
   for (int iteration = 0;; ++iteration) {

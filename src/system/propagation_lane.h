@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The thread that carries labels from frame to frame, beside tracking.
 #pragma once
 
@@ -7,33 +8,33 @@
 #include <optional>
 #include <vector>
 
+#include "propagation/label_propagation.h"
 #include "runtime/bounded_queue.h"
 #include "runtime/published.h"
 #include "runtime/worker.h"
-#include "propagation/label_field.h"
 
 namespace rds {
 
-// Runs LabelCarrier on a thread of its own; tracking never waits for it, and takes the newest labels there are: as a
+// Runs LabelPropagator on a thread of its own; tracking never waits for it, and takes the newest labels there are: as a
 // rule those of the frame before. In lockstep it works when it is offered a frame. One caller.
-class LabelFollower {
+class PropagationLane {
  public:
   struct TrackedFrame {
     FrameId frame;
     std::shared_ptr<const FrameData> data;
     Rigid3 camera_from_world;
-    std::shared_ptr<const std::vector<SeenView>> views;  // labelled ones; may be null
+    std::shared_ptr<const std::vector<DepthView>> views;  // labeled ones; may be null
   };
 
   // `failed` is told, on the thread, of an error that ends it.
-  LabelFollower(const LabelCarryOptions& options, const FreeSpaceOptions& space, bool lockstep,
-                std::function<void(std::exception_ptr)> failed);
-  ~LabelFollower();
+  PropagationLane(const PropagationOptions& options, const FreeSpaceOptions& space, bool lockstep,
+                  std::function<void(std::exception_ptr)> failed);
+  ~PropagationLane();
 
   // Frames ascend. Never waits: where the thread is far behind, or has failed, the frame is left out.
   void Offer(TrackedFrame frame);
   // For a frame. Null before the first, and where they are too old: what moves is elsewhere by then.
-  [[nodiscard]] std::shared_ptr<const LabelField> Newest(FrameId frame) const;
+  [[nodiscard]] std::shared_ptr<const PropagatedLabels> Newest(FrameId frame) const;
 
  private:
   static constexpr std::size_t kMostWaiting = 64;
@@ -41,9 +42,9 @@ class LabelFollower {
 
   void Follow(const TrackedFrame& frame);
 
-  LabelCarrier carrier_;
+  LabelPropagator propagator_;
   BoundedQueue<TrackedFrame> frames_{kMostWaiting};
-  Published<LabelField> newest_;
+  Published<PropagatedLabels> newest_;
   std::optional<Worker> worker_;  // none in lockstep
 };
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What is known of the surfaces that a frame sees, and how it is carried to the next frame.
 #pragma once
 
@@ -16,14 +17,14 @@
 
 namespace rds {
 
-struct LabelCarryOptions {
+struct PropagationOptions {
   bool enabled = true;
-  int frame_cost_px = 4;  // a label is as if so much farther away with each frame that it is carried
+  int age_penalty_px = 4;  // a label is as if so much farther away with each frame that it is carried
   SurfaceLabelOptions surface;
 };
 
 // Labels of the surfaces of one frame. Immutable once made.
-struct LabelField {
+struct PropagatedLabels {
   FrameId frame;
   PinholeCamera camera;
   Rigid3 camera_from_world;
@@ -39,13 +40,13 @@ struct LabelField {
 class KeypointProbabilities {
  public:
   // `later_from_field` is the motion of the camera.
-  KeypointProbabilities(std::shared_ptr<const LabelField> field, std::shared_ptr<const FrameData> later,
+  KeypointProbabilities(std::shared_ptr<const PropagatedLabels> field, std::shared_ptr<const FrameData> later,
                         const Rigid3& later_from_field, const SurfaceLabelOptions& options);
 
   [[nodiscard]] double operator[](std::size_t keypoint) const;
 
  private:
-  std::shared_ptr<const LabelField> field_;
+  std::shared_ptr<const PropagatedLabels> field_;
   std::shared_ptr<const FrameData> later_;
   GridWarp field_from_later_;
   SurfaceLabelOptions options_;
@@ -53,21 +54,21 @@ class KeypointProbabilities {
 
 // 1 for each sample of a later frame's depth grid that lies on a surface called static, 0 elsewhere. Looks only at
 // every `step`-th sample in each direction, from step / 2 on. Otherwise like KeypointProbabilities. Re-entrant.
-[[nodiscard]] std::vector<std::uint8_t> StaticSamples(const LabelField& field, const FrameData& later,
+[[nodiscard]] std::vector<std::uint8_t> StaticSamples(const PropagatedLabels& field, const FrameData& later,
                                                       const Rigid3& later_from_field, int step);
 
 // Carries labels from frame to frame over the surfaces that depth images show, whatever moves, from the masks of
-// labelled keyframes to the frame of the moment: late ones over all frames since. What free space says is added to it.
+// labeled keyframes to the frame of the moment: late ones over all frames since. What free space says is added to it.
 // Not thread-safe.
-class LabelCarrier {
+class LabelPropagator {
  public:
-  LabelCarrier(const LabelCarryOptions& options, const FreeSpaceOptions& space)
+  LabelPropagator(const PropagationOptions& options, const FreeSpaceOptions& space)
       : options_(options), space_(space), surface_(options.surface) {}
 
-  // The field of the next frame. `views` are the newest labelled keyframes; each is carried here once.
-  [[nodiscard]] std::shared_ptr<const LabelField> Next(FrameId frame, const FrameData& data,
-                                                       const Rigid3& camera_from_world,
-                                                       std::span<const SeenView> views);
+  // The field of the next frame. `views` are the newest labeled keyframes; each is carried here once.
+  [[nodiscard]] std::shared_ptr<const PropagatedLabels> Next(FrameId frame, const FrameData& data,
+                                                             const Rigid3& camera_from_world,
+                                                             std::span<const DepthView> views);
 
  private:
   static constexpr std::size_t kLongestHistory = 64;  // frames over which a late label is carried at most
@@ -76,27 +77,27 @@ class LabelCarrier {
     std::int32_t sample = -1;  // none
     bool moved = false;        // it was next to the place: only what is dynamic has gone there
   };
-  struct Moment {
+  struct HistoryEntry {
     FrameId frame;
     Rigid3 camera_from_world;
     DepthGrid grid;
     std::vector<Source> sources;  // of each sample, the sample of the moment before that shows the same surface
   };
 
-  [[nodiscard]] static std::vector<Source> FindSources(const PinholeCamera& camera, const Moment& from,
-                                                       const Moment& to);
+  [[nodiscard]] static std::vector<Source> FindSources(const PinholeCamera& camera, const HistoryEntry& from,
+                                                       const HistoryEntry& to);
   template <typename Value>
   [[nodiscard]] static std::vector<Value> Carry(std::span<const Source> sources, std::span<const Value> values);
   // The labels of a keyframe where its surfaces are now, over all frames since; empty if it is too long ago.
-  [[nodiscard]] std::vector<KeypointLabel> CarryFrom(const SeenView& view) const;
-  [[nodiscard]] int CostSince(FrameId then, FrameId now) const;  // px
+  [[nodiscard]] std::vector<KeypointLabel> PropagateFrom(const DepthView& view) const;
+  [[nodiscard]] int PenaltySince(FrameId then, FrameId now) const;  // px
 
-  LabelCarryOptions options_;
+  PropagationOptions options_;
   FreeSpaceOptions space_;
   SurfaceLabels surface_;
-  std::deque<Moment> history_;        // ascending by frame
+  std::deque<HistoryEntry> history_;  // ascending by frame
   std::vector<SurfaceLabel> labels_;  // of the last moment
-  std::vector<FrameId> carried_;      // keyframes whose labels are on their way
+  std::vector<FrameId> propagated_;   // keyframes whose labels are on their way
 };
 
 }  // namespace rds

@@ -1,4 +1,5 @@
-#include "tracking/regain.h"
+// SPDX-License-Identifier: Apache-2.0
+#include "tracking/recovery.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -86,10 +87,10 @@ std::optional<Rigid3> RansacPose(const FrameData& current, std::span<const Point
   return best;
 }
 
-std::vector<const LocalKeyframe*> NearestKeyframes(const LocalMap& map, const Eigen::Vector3d& centre, int most) {
+std::vector<const LocalKeyframe*> NearestKeyframes(const LocalMap& map, const Eigen::Vector3d& center, int most) {
   std::vector<std::pair<double, const LocalKeyframe*>> nearest;
   for (const LocalKeyframe& keyframe : map.keyframes) {
-    nearest.emplace_back((keyframe.camera_from_world.Inverse().translation - centre).norm(), &keyframe);
+    nearest.emplace_back((keyframe.camera_from_world.Inverse().translation - center).norm(), &keyframe);
   }
   const auto count = std::min<std::ptrdiff_t>(std::ssize(nearest), most);
   std::ranges::partial_sort(nearest, nearest.begin() + count, {},

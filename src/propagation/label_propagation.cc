@@ -1,4 +1,5 @@
-#include "propagation/label_field.h"
+// SPDX-License-Identifier: Apache-2.0
+#include "propagation/label_propagation.h"
 
 #include <algorithm>
 #include <cmath>
@@ -57,7 +58,7 @@ std::optional<Found> FindSurface(const DepthGrid& grid, const GridPlace& place) 
 }
 
 // The label that a place of a later frame has by its surface; unknown if there is none.
-SurfaceLabel LabelAt(const LabelField& field, const GridPlace& place) {
+SurfaceLabel LabelAt(const PropagatedLabels& field, const GridPlace& place) {
   const auto found = FindSurface(field.grid, place);
   const SurfaceLabel label = found ? field.labels[found->sample] : SurfaceLabel{};
   return label.IsKnown() && IsCarried(label, found->moved) ? label : SurfaceLabel{};
@@ -74,7 +75,7 @@ std::vector<SampleMotion> MarkMoving(const DepthGrid& grid, std::span<const Surf
       for (int y = std::max(row - 1, 0); y <= std::min(row + 1, grid.rows - 1); ++y) {
         for (int x = std::max(column - 1, 0); x <= std::min(column + 1, grid.columns - 1); ++x) {
           SampleMotion& here = motion[static_cast<std::size_t>(y * grid.columns + x)];
-          here = std::max(here, y == row && x == column ? SampleMotion::kMoves : SampleMotion::kBeside);
+          here = std::max(here, y == row && x == column ? SampleMotion::kMoves : SampleMotion::kBoundary);
         }
       }
     }
@@ -84,7 +85,7 @@ std::vector<SampleMotion> MarkMoving(const DepthGrid& grid, std::span<const Surf
 
 }  // namespace
 
-KeypointProbabilities::KeypointProbabilities(std::shared_ptr<const LabelField> field,
+KeypointProbabilities::KeypointProbabilities(std::shared_ptr<const PropagatedLabels> field,
                                              std::shared_ptr<const FrameData> later, const Rigid3& later_from_field,
                                              const SurfaceLabelOptions& options)
     : field_(std::move(field)),
@@ -102,12 +103,12 @@ double KeypointProbabilities::operator[](std::size_t keypoint) const {
   if (!label.IsKnown()) {
     return kUnknownProbability;
   }
-  const double p = kNear + (kFar - kNear) * label.distance_px / options_.Reach(label.dynamic);
+  const double p = kNear + (kFar - kNear) * label.distance_px / options_.MaxDistance(label.dynamic);
   return label.dynamic ? p : 1 - p;
 }
 
-std::vector<std::uint8_t> StaticSamples(const LabelField& field, const FrameData& later, const Rigid3& later_from_field,
-                                        int step) {
+std::vector<std::uint8_t> StaticSamples(const PropagatedLabels& field, const FrameData& later,
+                                        const Rigid3& later_from_field, int step) {
   const DepthGrid& grid = later.depth_grid();
   std::vector<std::uint8_t> result(grid.depth_m.size(), 0);
   const GridWarp warp(field.camera, later_from_field.Inverse());
@@ -124,8 +125,8 @@ std::vector<std::uint8_t> StaticSamples(const LabelField& field, const FrameData
   return result;
 }
 
-std::vector<LabelCarrier::Source> LabelCarrier::FindSources(const PinholeCamera& camera, const Moment& from,
-                                                            const Moment& to) {
+std::vector<LabelPropagator::Source> LabelPropagator::FindSources(const PinholeCamera& camera, const HistoryEntry& from,
+                                                                  const HistoryEntry& to) {
   std::vector<Source> sources(to.grid.depth_m.size());
   const GridWarp warp(camera, from.camera_from_world * to.camera_from_world.Inverse());
   std::size_t i = 0;
@@ -144,7 +145,7 @@ std::vector<LabelCarrier::Source> LabelCarrier::FindSources(const PinholeCamera&
 }
 
 template <typename Value>
-std::vector<Value> LabelCarrier::Carry(std::span<const Source> sources, std::span<const Value> values) {
+std::vector<Value> LabelPropagator::Carry(std::span<const Source> sources, std::span<const Value> values) {
   std::vector<Value> carried(sources.size());
   for (std::size_t i = 0; i < sources.size(); ++i) {
     if (sources[i].sample >= 0) {
@@ -157,8 +158,8 @@ std::vector<Value> LabelCarrier::Carry(std::span<const Source> sources, std::spa
   return carried;
 }
 
-std::vector<KeypointLabel> LabelCarrier::CarryFrom(const SeenView& view) const {
-  const auto start = std::ranges::lower_bound(history_, view.frame, {}, &Moment::frame);
+std::vector<KeypointLabel> LabelPropagator::PropagateFrom(const DepthView& view) const {
+  const auto start = std::ranges::lower_bound(history_, view.frame, {}, &HistoryEntry::frame);
   if (start == history_.end() || start->frame != view.frame || view.labels.size() != start->grid.depth_m.size()) {
     return {};
   }
@@ -169,29 +170,30 @@ std::vector<KeypointLabel> LabelCarrier::CarryFrom(const SeenView& view) const {
   return labels;
 }
 
-std::shared_ptr<const LabelField> LabelCarrier::Next(FrameId frame, const FrameData& data,
-                                                     const Rigid3& camera_from_world, std::span<const SeenView> views) {
+std::shared_ptr<const PropagatedLabels> LabelPropagator::Next(FrameId frame, const FrameData& data,
+                                                              const Rigid3& camera_from_world,
+                                                              std::span<const DepthView> views) {
   history_.push_back({frame, camera_from_world, data.depth_grid(), {}});
-  Moment& now = history_.back();
+  HistoryEntry& now = history_.back();
   surface_.Start(now.grid);
   if (space_.enabled) {
-    surface_.Add(JudgeBySpace(data, camera_from_world, views, space_));
+    surface_.Add(CheckFreeSpace(data, camera_from_world, views, space_));
   }
   if (history_.size() > 1) {
-    const Moment& before = history_[history_.size() - 2];
+    const HistoryEntry& before = history_[history_.size() - 2];
     now.sources = FindSources(data.camera(), before, now);
-    surface_.Add(Carry<SurfaceLabel>(now.sources, labels_), CostSince(before.frame, frame));
+    surface_.Add(Carry<SurfaceLabel>(now.sources, labels_), PenaltySince(before.frame, frame));
   }
-  for (const SeenView& view : views) {
-    if (std::ranges::find(carried_, view.frame) == carried_.end()) {
-      surface_.Add(CarryFrom(view), CostSince(view.frame, frame));
+  for (const DepthView& view : views) {
+    if (std::ranges::find(propagated_, view.frame) == propagated_.end()) {
+      surface_.Add(PropagateFrom(view), PenaltySince(view.frame, frame));
     }
   }
-  carried_.clear();
-  std::ranges::transform(views, std::back_inserter(carried_), &SeenView::frame);
+  propagated_.clear();
+  std::ranges::transform(views, std::back_inserter(propagated_), &DepthView::frame);
   surface_.Spread();
   labels_ = surface_.Labels();
-  auto field = std::make_shared<LabelField>();
+  auto field = std::make_shared<PropagatedLabels>();
   field->frame = frame;
   field->camera = data.camera();
   field->camera_from_world = camera_from_world;
@@ -204,9 +206,9 @@ std::shared_ptr<const LabelField> LabelCarrier::Next(FrameId frame, const FrameD
   return field;
 }
 
-int LabelCarrier::CostSince(FrameId then, FrameId now) const {
+int LabelPropagator::PenaltySince(FrameId then, FrameId now) const {
   const auto frames = static_cast<int>(now.value - then.value);
-  return std::min(frames, SurfaceLabel::kNone) * options_.frame_cost_px;
+  return std::min(frames, SurfaceLabel::kNone) * options_.age_penalty_px;
 }
 
 }  // namespace rds
