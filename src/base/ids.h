@@ -24,6 +24,7 @@ struct Id {
 using FrameId = Id<struct FrameTag>;        // position of a frame in the sequence, from 0
 using KeyframeId = Id<struct KeyframeTag>;  // dense, from 0
 using PointId = Id<struct PointTag>;        // dense, from 0
+using WorldId = Id<struct WorldTag>;        // dense, from 0
 
 }  // namespace rds
 

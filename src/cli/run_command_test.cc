@@ -120,8 +120,9 @@ TEST_F(RunCommandTest, WritesEveryOutput) {
   EXPECT_EQ(ReadTrajectory(out_ / "trajectory.txt").size(), static_cast<std::size_t>(kFrames));
   EXPECT_FALSE(ReadTrajectory(out_ / "keyframes.txt").empty());
   const nlohmann::json report = Report();
-  for (const char* key : {"frames", "tracked", "lost", "keyframes", "map_points", "start_up_s", "tracking_ms",
-                          "cpu_ms_per_frame", "local_ba_ms", "peak_memory_mb", "wall_s", "ate_m", "rpe", "semantics"}) {
+  for (const char* key :
+       {"frames", "tracked", "lost", "keyframes", "map_points", "start_up_s", "tracking_ms", "cpu_ms_per_frame",
+        "local_ba_ms", "map_lock_ms", "peak_memory_mb", "wall_s", "ate_m", "rpe", "semantics"}) {
     EXPECT_TRUE(report.contains(key)) << key;
   }
   EXPECT_EQ(report["frames"], kFrames);

@@ -17,6 +17,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+Json LockJson(const LockSummary::Series& times) {
+  return {{"median", times.median}, {"p95", times.p95}, {"max", times.max}};
+}
+
 std::vector<double> LabelSeries(const std::vector<LabelEvent>& labels, double LabelEvent::*member) {
   std::vector<double> values;
   std::transform(labels.begin(), labels.end(), std::back_inserter(values),
@@ -132,6 +136,9 @@ Json RunReport(const RunDescription& description, const PlaybackResult& playback
                                  {"local_map", SeriesJson(TimingSeries(playback.frames, &FrameTiming::local_map_ms))}};
   report["cpu_ms_per_frame"] = CpuReport(playback, 0);
   report["local_ba_ms"] = SeriesJson(slam.local_ba_ms);
+  report["map_lock_ms"] = {{"held", LockJson(slam.map_lock_ms.held)},
+                           {"waited", LockJson(slam.map_lock_ms.waited)},
+                           {"max_waited_by_tracking", slam.map_lock_ms.max_waited_by_tracking}};
   report["start_delay_ms"] = SeriesJson(playback.start_delay_ms);
   report["peak_memory_mb"] = PeakMemoryMb();
   report["wall_s"] = playback.wall_s;

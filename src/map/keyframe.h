@@ -25,15 +25,16 @@ struct Covisible {
 // tree. Owned and changed by Map only; not thread-safe by itself.
 struct Keyframe {
   KeyframeId id;
+  WorldId world;
   FrameId frame;
   double timestamp_s = 0;
-  Rigid3 camera_from_world;
+  Rigid3 camera_from_world;         // in the frame of its world
   std::uint32_t pose_revision = 0;  // grows with each change of the pose; lets a solver see that its copy is old
   std::shared_ptr<const FrameData> data;
   std::vector<PointId> points;        // one for each keypoint, invalid = none
   std::vector<KeypointLabel> labels;  // one for each keypoint once the keyframe is labeled, empty before
   std::vector<Covisible> covisible;   // most shared points first, ties by id
-  KeyframeId parent;                  // spanning tree; invalid for the root
+  KeyframeId parent;                  // spanning tree of its world; invalid for the root
   std::vector<KeyframeId> children;   // ascending
 
   [[nodiscard]] bool IsLabeled() const { return !labels.empty(); }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <unordered_set>
 
 #include "base/error.h"
 
@@ -13,11 +14,9 @@ namespace {
 std::vector<KeyframeId> SelectKeyframes(const Map& map, KeyframeId center, const LocalMapOptions& options) {
   const auto most = static_cast<std::size_t>(options.keyframes);
   std::vector<KeyframeId> chosen = {center};
-  std::vector<bool> taken(map.newest().index() + 1, false);
-  taken[center.index()] = true;
+  std::unordered_set<KeyframeId> taken = {center};
   const auto take = [&](KeyframeId id) {
-    if (id.valid() && chosen.size() < most && !taken[id.index()]) {
-      taken[id.index()] = true;
+    if (id.valid() && chosen.size() < most && taken.insert(id).second) {
       chosen.push_back(id);
     }
   };
@@ -131,6 +130,11 @@ void LocalMap::CollectViews() {
       views[next[link.point]++] = static_cast<std::uint16_t>(k);
     }
   }
+}
+
+const LocalKeyframe* LocalMap::FindByFrame(FrameId frame) const {
+  const auto place = std::ranges::lower_bound(keyframes, frame, {}, &LocalKeyframe::frame);
+  return place != keyframes.end() && place->frame == frame ? &*place : nullptr;
 }
 
 const LocalKeyframe* LocalMap::Find(KeyframeId id) const {

@@ -59,6 +59,7 @@ struct LocalMap {
   [[nodiscard]] const LocalKeyframe& MostShared(std::span<const std::uint32_t> points) const;
   // Null if it is not in this snapshot.
   [[nodiscard]] const LocalKeyframe* Find(KeyframeId id) const;
+  [[nodiscard]] const LocalKeyframe* FindByFrame(FrameId frame) const;
   // Fills the views from the keyframes' links; part of making a snapshot.
   void CollectViews();
 };

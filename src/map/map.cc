@@ -2,6 +2,7 @@
 #include "map/map.h"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include "base/error.h"
@@ -9,105 +10,188 @@
 namespace rds {
 namespace {
 
-auto ObservationOf(MapPoint& point, KeyframeId keyframe) {
-  return std::lower_bound(point.observations.begin(), point.observations.end(), keyframe,
-                          [](const Observation& s, KeyframeId id) { return s.keyframe < id; });
+// Where the observation by a keyframe is, or would be.
+template <typename Observations>
+auto PlaceOf(Observations& observations, KeyframeId keyframe) {
+  return std::ranges::lower_bound(observations, keyframe, {}, &Observation::keyframe);
+}
+
+bool Sees(const MapPoint& point, KeyframeId keyframe) {
+  const auto place = PlaceOf(point.observations, keyframe);
+  return place != point.observations.end() && place->keyframe == keyframe;
 }
 
 }  // namespace
 
+Map::Map(const ScalePyramid& pyramid, const MovingProbabilityOptions& probability, std::size_t point_pages)
+    : pyramid_(pyramid), probabilities_(probability, point_pages), points_(point_pages) {}
+
 const Keyframe* Map::Find(KeyframeId id) const {
   return id.index() < keyframes_.size() ? keyframes_[id.index()].get() : nullptr;
 }
-Keyframe* Map::Find(KeyframeId id) { return const_cast<Keyframe*>(std::as_const(*this).Find(id)); }
 
-const MapPoint* Map::Find(PointId id) const { return points_.Find(id); }
-MapPoint* Map::Find(PointId id) { return const_cast<MapPoint*>(std::as_const(*this).Find(id)); }
+const Keyframe* Map::FindByFrame(FrameId frame) const {
+  const auto place = std::ranges::lower_bound(keyframe_ids_, frame, {}, [&](KeyframeId id) { return At(id).frame; });
+  return place != keyframe_ids_.end() && At(*place).frame == frame ? &At(*place) : nullptr;
+}
 
 const Keyframe& Map::At(KeyframeId id) const {
   const Keyframe* keyframe = Find(id);
   Check(keyframe != nullptr, "the keyframe is in the map");
   return *keyframe;
 }
-Keyframe& Map::At(KeyframeId id) { return const_cast<Keyframe&>(std::as_const(*this).At(id)); }
 
 const MapPoint& Map::At(PointId id) const {
   const MapPoint* point = Find(id);
   Check(point != nullptr, "the point is in the map");
   return *point;
 }
-MapPoint& Map::At(PointId id) { return const_cast<MapPoint&>(std::as_const(*this).At(id)); }
 
-Keyframe& Map::AddKeyframe(FrameId frame, double timestamp_s, const Rigid3& camera_from_world,
-                           std::shared_ptr<const FrameData> data) {
+KeyframeId Map::AddKeyframe(FrameId frame, double timestamp_s, const Rigid3& camera_from_world,
+                            std::shared_ptr<const FrameData> data, WorldId world) {
+  if (!world.valid()) {
+    world = worlds_.empty() ? AddWorld() : WorldId{static_cast<std::uint32_t>(worlds_.size() - 1)};
+  }
+  while (worlds_.at(world.index()).merged_into.valid()) {
+    world = worlds_[world.index()].merged_into;
+  }
+  probabilities_.Release(points_.TakeFreedPages());
   auto keyframe = std::make_unique<Keyframe>();
   keyframe->id = KeyframeId{static_cast<std::uint32_t>(keyframes_.size())};
+  keyframe->world = world;
   keyframe->frame = frame;
   keyframe->timestamp_s = timestamp_s;
   keyframe->camera_from_world = camera_from_world;
   keyframe->points.assign(data->size(), PointId{});
   keyframe->data = std::move(data);
+  World& home = worlds_.at(world.index());
+  if (!home.root.valid()) {
+    home.root = keyframe->id;
+  }
+  ++home.keyframes;
   keyframe_ids_.push_back(keyframe->id);
   erased_.emplace_back();
-  return *keyframes_.emplace_back(std::move(keyframe));
+  shared_.push_back(0);
+  return keyframes_.emplace_back(std::move(keyframe))->id;
 }
 
-MapPoint& Map::AddPoint(const Eigen::Vector3d& position, KeyframeId keyframe, std::uint32_t keypoint) {
+void Map::SetPose(KeyframeId id, const Rigid3& camera_from_world) {
+  Keyframe& keyframe = Mutable(id);
+  keyframe.camera_from_world = camera_from_world;
+  ++keyframe.pose_revision;
+}
+
+void Map::Label(KeyframeId id, std::vector<KeypointLabel> labels) {
+  Keyframe& keyframe = Mutable(id);
+  Check(!keyframe.IsLabeled(), "a keyframe is labeled once");
+  Check(labels.size() == keyframe.points.size(), "a label for each keypoint");
+  keyframe.labels = std::move(labels);
+  for (const PointId point : keyframe.points) {
+    if (point.valid()) {
+      CountLabel(keyframe, *PlaceOf(Mutable(point).observations, id), point);
+    }
+  }
+}
+
+void Map::CountLabel(const Keyframe& keyframe, Observation& observation, PointId point) {
+  if (keyframe.IsLabeled() && keyframe.labels[observation.keypoint] != KeypointLabel::kNone) {
+    observation.log_odds =
+        probabilities_.Observe(point, keyframe.labels[observation.keypoint] == KeypointLabel::kDynamic);
+  }
+}
+
+void Map::KeepEarlyLabels(FrameId frame, std::vector<KeypointLabel> labels) {
+  if (keyframe_ids_.empty() || At(newest()).frame < frame) {
+    early_labels_[frame] = std::move(labels);
+  }
+}
+
+std::vector<KeypointLabel> Map::TakeEarlyLabels(FrameId frame) {
+  auto found = early_labels_.extract(frame);
+  return found ? std::move(found.mapped()) : std::vector<KeypointLabel>{};
+}
+
+PointId Map::AddPoint(const Eigen::Vector3d& position, KeyframeId keyframe, std::uint32_t keypoint) {
   auto added = std::make_unique<MapPoint>();
-  added->id = points_.NextId();
+  const PointId id = points_.NextId();
+  added->id = id;
   added->position = position;
   added->reference = keyframe;
   added->created_at = newest();
-  MapPoint& point = points_.Add(std::move(added));
-  Check(AddObservation(point.id, keyframe, keypoint), "a new point takes a free keypoint");
-  UpdateAppearance(point.id);
-  return point;
+  points_.Add(std::move(added));
+  Check(Observe(id, keyframe, keypoint), "a new point takes a free keypoint");
+  UpdateAppearance(id);
+  return id;
 }
 
-bool Map::AddObservation(PointId id, KeyframeId keyframe_id, std::uint32_t keypoint) {
-  MapPoint& point = At(id);
-  Keyframe& keyframe = At(keyframe_id);
-  const auto place = ObservationOf(point, keyframe_id);
-  if (keyframe.points.at(keypoint).valid() || (place != point.observations.end() && place->keyframe == keyframe_id)) {
+bool Map::Observe(PointId id, KeyframeId keyframe_id, std::uint32_t keypoint) {
+  MapPoint& point = Mutable(id);
+  Keyframe& keyframe = Mutable(keyframe_id);
+  if (keyframe.points.at(keypoint).valid() || Sees(point, keyframe_id)) {
     return false;
   }
-  point.observations.insert(place, {keyframe_id, keypoint});
+  Check(WorldOf(point.reference) == keyframe.world, "a keyframe sees points of its own world");
+  const auto place = point.observations.insert(PlaceOf(point.observations, keyframe_id), {keyframe_id, keypoint, 0});
   keyframe.points[keypoint] = id;
+  CountLabel(keyframe, *place, id);
   return true;
 }
 
-void Map::RemoveObservation(PointId id, KeyframeId keyframe_id) {
-  MapPoint& point = At(id);
-  const auto place = ObservationOf(point, keyframe_id);
-  if (place == point.observations.end() || place->keyframe != keyframe_id) {
-    return;
+void Map::Forget(PointId id, KeyframeId keyframe) {
+  MapPoint& point = Mutable(id);
+  const auto place = PlaceOf(point.observations, keyframe);
+  if (place != point.observations.end() && place->keyframe == keyframe) {
+    probabilities_.Retract(id, place->log_odds);
+    Unlink(point, keyframe);
   }
-  At(keyframe_id).points[place->keypoint] = PointId{};
+}
+
+void Map::Unlink(MapPoint& point, KeyframeId keyframe) {
+  const auto place = PlaceOf(point.observations, keyframe);
+  Mutable(keyframe).points[place->keypoint] = PointId{};
   point.observations.erase(place);
   if (point.observations.empty()) {
-    ErasePoint(id);
-  } else if (point.reference == keyframe_id) {
+    ErasePoint(point.id);
+  } else if (point.reference == keyframe) {
     point.reference = point.observations.front().keyframe;
   }
 }
 
+void Map::Move(PointId id, const Eigen::Vector3d& position) {
+  MapPoint& point = Mutable(id);
+  point.position = position;
+  ++point.revision;
+  UpdateNormal(point);
+}
+
 void Map::ErasePoint(PointId id) {
   for (const Observation& observation : At(id).observations) {
-    At(observation.keyframe).points[observation.keypoint] = PointId{};
+    Mutable(observation.keyframe).points[observation.keypoint] = PointId{};
   }
   points_.Erase(id);
 }
 
 void Map::Fuse(PointId from_id, PointId to_id) {
   Check(from_id != to_id, "a point is not fused with itself");
-  MapPoint& from = At(from_id);
-  MapPoint& to = At(to_id);
+  const MapPoint& from = At(from_id);
+  MapPoint& to = Mutable(to_id);
+  Check(WorldOf(from.reference) == WorldOf(to.reference), "only points of one world are fused");
+  for (const Observation& observation : from.observations) {
+    if (Sees(to, observation.keyframe)) {  // one mask speaks of a point once
+      probabilities_.Retract(from_id, observation.log_odds);
+    }
+  }
+  probabilities_.Set(
+      to_id, FuseProbabilities(probabilities_.Get(from_id), probabilities_.Get(to_id), probabilities_.options()));
   to.visible += from.visible;
   to.found += from.found;
   const std::vector<Observation> observations = from.observations;
   ErasePoint(from_id);
   for (const Observation& observation : observations) {
-    AddObservation(to_id, observation.keyframe, observation.keypoint);
+    if (!Sees(to, observation.keyframe)) {
+      to.observations.insert(PlaceOf(to.observations, observation.keyframe), observation);
+      Mutable(observation.keyframe).points[observation.keypoint] = to_id;
+    }
   }
   replaced_by_[from_id] = to_id;
   fused_.push_back(from_id);
@@ -137,8 +221,14 @@ std::vector<std::pair<PointId, PointId>> Map::RecentReplacements() const {
   return replacements;
 }
 
+void Map::CountUse(PointId id, int visible, int found) {
+  MapPoint& point = Mutable(id);
+  point.visible += visible;
+  point.found += found;
+}
+
 void Map::UpdateAppearance(PointId id) {
-  MapPoint& point = At(id);
+  MapPoint& point = Mutable(id);
   std::vector<const Descriptor*> descriptors;
   for (const Observation& observation : point.observations) {
     descriptors.push_back(&At(observation.keyframe).data->descriptors()[observation.keypoint]);
@@ -161,29 +251,20 @@ void Map::UpdateAppearance(PointId id) {
       point.descriptor = *candidate;
     }
   }
-  UpdateNormal(id);
+  UpdateNormal(point);
 }
 
-void Map::UpdateNormal(PointId id) {
-  MapPoint& point = At(id);
+void Map::UpdateNormal(MapPoint& point) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const Observation& observation : point.observations) {
     sum += (point.position - At(observation.keyframe).CameraCenter()).normalized();
   }
   point.normal = sum.normalized();
   const Keyframe& reference = At(point.reference);
-  const auto host = std::lower_bound(point.observations.begin(), point.observations.end(), point.reference,
-                                     [](const Observation& s, KeyframeId k) { return s.keyframe < k; });
-  const auto octave = reference.data->keypoints()[host->keypoint].octave;
+  const auto octave = reference.data->keypoints()[PlaceOf(point.observations, reference.id)->keypoint].octave;
   const auto distance = static_cast<float>((point.position - reference.CameraCenter()).norm());
   point.max_distance_m = distance * pyramid_.scale[octave];
   point.min_distance_m = point.max_distance_m / pyramid_.scale.back();
-}
-
-void Map::SetPose(KeyframeId id, const Rigid3& camera_from_world) {
-  Keyframe& keyframe = At(id);
-  keyframe.camera_from_world = camera_from_world;
-  ++keyframe.pose_revision;
 }
 
 }  // namespace rds

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The graphs of the map: covisibility and spanning tree.
+// The graphs of the map: covisibility and spanning trees.
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "base/error.h"
@@ -18,36 +19,47 @@ void Insert(std::vector<KeyframeId>& ids, KeyframeId id) { ids.insert(std::range
 }  // namespace
 
 void Map::UpdateCovisibility(KeyframeId id) {
-  Keyframe& keyframe = At(id);
-  std::vector<int> shared(keyframes_.size(), 0);
+  Keyframe& keyframe = Mutable(id);
+  // Only the keyframes that share a point are visited, however many there are.
+  std::vector<Covisible> shared;
   for (const PointId point : keyframe.points) {
     if (!point.valid()) {
       continue;
     }
     for (const Observation& observation : At(point).observations) {
-      ++shared[observation.keyframe.index()];
+      if (shared_[observation.keyframe.index()]++ == 0) {
+        shared.push_back({observation.keyframe, 0});
+      }
     }
   }
-  shared[id.index()] = 0;
-  const auto best = std::ranges::max_element(shared);
-  for (const Covisible& old : std::vector<Covisible>(keyframe.covisible)) {
-    if (shared[old.keyframe.index()] < kMinShared) {
-      RemoveEdge(At(old.keyframe), id);
-      RemoveEdge(keyframe, old.keyframe);
+  for (Covisible& other : shared) {
+    other.shared_points = std::exchange(shared_[other.keyframe.index()], 0);
+  }
+  std::erase_if(shared, [&](const Covisible& other) { return other.keyframe == id; });
+  std::ranges::sort(shared, MoreShared);
+  for (std::size_t i = 1; i < shared.size(); ++i) {  // the best one counts in any case
+    if (shared[i].shared_points < kMinShared) {
+      shared.resize(i);
     }
   }
-  for (std::size_t i = 0; i < shared.size(); ++i) {
-    if (shared[i] >= kMinShared || (shared[i] > 0 && i == static_cast<std::size_t>(best - shared.begin()))) {
-      SetEdge(keyframe, KeyframeId{static_cast<std::uint32_t>(i)}, shared[i]);
-      SetEdge(*keyframes_[i], id, shared[i]);
-    }
+  for (const Covisible& old : std::exchange(keyframe.covisible, shared)) {
+    RemoveEdge(Mutable(old.keyframe), id);
   }
-  if (!keyframe.parent.valid() && id != keyframe_ids_.front()) {
-    // The most covisible older keyframe; without any, the keyframe before this one.
-    const auto older = std::ranges::find_if(keyframe.covisible, [&](const Covisible& c) { return c.keyframe < id; });
-    keyframe.parent =
-        older != keyframe.covisible.end() ? older->keyframe : *std::prev(std::ranges::lower_bound(keyframe_ids_, id));
-    Insert(At(keyframe.parent).children, id);
+  for (const Covisible& other : shared) {
+    SetEdge(Mutable(other.keyframe), id, other.shared_points);
+  }
+  if (!keyframe.parent.valid() && id != Root(keyframe.world)) {
+    // The most covisible older keyframe; without any, the one before it in its world.
+    const auto is_older = [&](KeyframeId other) { return other < id && At(other).world == keyframe.world; };
+    const auto covisible = std::ranges::find_if(keyframe.covisible, is_older, &Covisible::keyframe);
+    if (covisible != keyframe.covisible.end()) {
+      keyframe.parent = covisible->keyframe;
+    } else {
+      const auto self = std::ranges::lower_bound(keyframe_ids_, id);
+      const auto before = std::find_if(std::reverse_iterator(self), keyframe_ids_.rend(), is_older);
+      keyframe.parent = before != keyframe_ids_.rend() ? *before : Root(keyframe.world);
+    }
+    Insert(Mutable(keyframe.parent).children, id);
   }
 }
 
@@ -89,40 +101,48 @@ void Map::AdoptChildren(Keyframe& erased) {
       }
     }
     const KeyframeId child = orphans[child_index];
-    At(child).parent = parent;
-    Insert(At(parent).children, child);
+    Mutable(child).parent = parent;
+    Insert(Mutable(parent).children, child);
     candidates.push_back(child);
     orphans.erase(orphans.begin() + static_cast<std::ptrdiff_t>(child_index));
   }
 }
 
 void Map::EraseKeyframe(KeyframeId id) {
-  Keyframe& keyframe = At(id);
-  Check(keyframe.parent.valid(), "the root of the spanning tree stays");
+  Keyframe& keyframe = Mutable(id);
+  Check(keyframe.parent.valid(), "the root of a spanning tree stays");
   for (const PointId point : std::vector<PointId>(keyframe.points)) {
     if (point.valid()) {
-      RemoveObservation(point, id);
+      Unlink(Mutable(point), id);
     }
   }
-  for (const Covisible& edge : std::vector<Covisible>(keyframe.covisible)) {
-    RemoveEdge(At(edge.keyframe), id);
+  for (const Covisible& edge : keyframe.covisible) {
+    RemoveEdge(Mutable(edge.keyframe), id);
   }
   AdoptChildren(keyframe);
-  Keyframe& parent = At(keyframe.parent);
+  Keyframe& parent = Mutable(keyframe.parent);
   std::erase(parent.children, id);
   erased_[id.index()] = Erased{parent.id, keyframe.camera_from_world * parent.camera_from_world.Inverse()};
-  std::erase(keyframe_ids_, id);
+  --worlds_[keyframe.world.index()].keyframes;
+  keyframe_ids_.erase(std::ranges::lower_bound(keyframe_ids_, id));
   keyframes_[id.index()].reset();
 }
 
-Rigid3 Map::CameraFromWorld(KeyframeId id) const {
-  Rigid3 camera_from_ancestor;
+KeyframeId Map::LivingAncestor(KeyframeId id) const {
   while (Find(id) == nullptr) {
     Check(id.index() < erased_.size() && erased_[id.index()].has_value(), "the keyframe was once in the map");
-    camera_from_ancestor = camera_from_ancestor * erased_[id.index()]->self_from_parent;
     id = erased_[id.index()]->parent;
   }
-  return camera_from_ancestor * At(id).camera_from_world;
+  return id;
+}
+
+Rigid3 Map::CameraFromWorld(KeyframeId id) const {
+  const KeyframeId living = LivingAncestor(id);
+  Rigid3 camera_from_ancestor;
+  for (; id != living; id = erased_[id.index()]->parent) {
+    camera_from_ancestor = camera_from_ancestor * erased_[id.index()]->self_from_parent;
+  }
+  return camera_from_ancestor * At(living).camera_from_world;
 }
 
 }  // namespace rds

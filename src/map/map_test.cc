@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "map/map.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,6 +13,8 @@
 
 namespace rds {
 namespace {
+
+using testing::IsEmpty;
 
 std::shared_ptr<const FrameData> Data(std::size_t keypoints) {
   PinholeCamera camera;
@@ -30,7 +33,7 @@ std::shared_ptr<const FrameData> Data(std::size_t keypoints) {
 }
 
 KeyframeId AddKeyframe(Map& map, std::uint32_t frame, double x = 0) {
-  return map.AddKeyframe(FrameId{frame}, frame, {Eigen::Quaterniond::Identity(), {-x, 0, 0}}, Data(100)).id;
+  return map.AddKeyframe(FrameId{frame}, frame, {Eigen::Quaterniond::Identity(), {-x, 0, 0}}, Data(100));
 }
 
 // Two keyframes that share `shared` points.
@@ -42,8 +45,8 @@ struct Pair {
     a = AddKeyframe(map, 0);
     b = AddKeyframe(map, 5, 0.1);
     for (std::uint32_t i = 0; i < shared; ++i) {
-      const PointId point = map.AddPoint({0.01 * i, 0, 2}, a, i).id;
-      EXPECT_TRUE(map.AddObservation(point, b, i));
+      const PointId point = map.AddPoint({0.01 * i, 0, 2}, a, i);
+      EXPECT_TRUE(map.Observe(point, b, i));
     }
     map.UpdateCovisibility(b);
   }
@@ -55,15 +58,15 @@ TEST(Map, LinksBothSides) {
   const MapPoint& point = pair.map.At(PointId{3});
   ASSERT_EQ(point.observations.size(), 2U);
   EXPECT_EQ(pair.map.At(pair.b).points[3], PointId{3});
-  EXPECT_FALSE(pair.map.AddObservation(PointId{3}, pair.b, 50));  // seen there already
-  EXPECT_FALSE(pair.map.AddObservation(PointId{3}, pair.b, 4));   // taken
+  EXPECT_FALSE(pair.map.Observe(PointId{3}, pair.b, 50));  // seen there already
+  EXPECT_FALSE(pair.map.Observe(PointId{3}, pair.b, 4));   // taken
 }
 
 TEST(Map, RemovingTheLastObservationErasesThePoint) {
   Pair pair(20);
-  pair.map.RemoveObservation(PointId{3}, pair.a);
+  pair.map.Forget(PointId{3}, pair.a);
   EXPECT_EQ(pair.map.At(PointId{3}).reference, pair.b);
-  pair.map.RemoveObservation(PointId{3}, pair.b);
+  pair.map.Forget(PointId{3}, pair.b);
   EXPECT_EQ(pair.map.Find(PointId{3}), nullptr);
   EXPECT_FALSE(pair.map.At(pair.b).points[3].valid());
   EXPECT_EQ(pair.map.point_count(), 19U);
@@ -85,11 +88,11 @@ TEST(Map, AWeakEdgeIsKeptOnlyAsTheBestOne) {
   EXPECT_EQ(pair.map.At(pair.b).covisible.size(), 1U);
   const KeyframeId c = AddKeyframe(pair.map, 9);
   for (std::uint32_t i = 0; i < 3; ++i) {
-    EXPECT_TRUE(pair.map.AddObservation(PointId{i}, c, i));
+    EXPECT_TRUE(pair.map.Observe(PointId{i}, c, i));
   }
   for (std::uint32_t i = 20; i < 40; ++i) {
-    const PointId point = pair.map.AddPoint({0.01 * i, 0, 2}, pair.a, i).id;
-    EXPECT_TRUE(pair.map.AddObservation(point, c, i));
+    const PointId point = pair.map.AddPoint({0.01 * i, 0, 2}, pair.a, i);
+    EXPECT_TRUE(pair.map.Observe(point, c, i));
   }
   pair.map.UpdateCovisibility(c);
   ASSERT_EQ(pair.map.At(c).covisible.size(), 1U);
@@ -98,9 +101,9 @@ TEST(Map, AWeakEdgeIsKeptOnlyAsTheBestOne) {
 
 TEST(Map, FusedPointsResolveToTheSurvivor) {
   Pair pair(20);
-  const PointId extra = pair.map.AddPoint({0.5, 0, 2}, pair.a, 60).id;
-  const PointId other = pair.map.AddPoint({0.5, 0, 2}, pair.b, 60).id;
-  const PointId last = pair.map.AddPoint({0.5, 0, 2}, pair.b, 61).id;
+  const PointId extra = pair.map.AddPoint({0.5, 0, 2}, pair.a, 60);
+  const PointId other = pair.map.AddPoint({0.5, 0, 2}, pair.b, 60);
+  const PointId last = pair.map.AddPoint({0.5, 0, 2}, pair.b, 61);
   pair.map.Fuse(extra, other);
   EXPECT_EQ(pair.map.Resolve(extra), other);
   EXPECT_EQ(pair.map.At(other).observations.size(), 2U);
@@ -115,19 +118,18 @@ TEST(Map, FusedPointsResolveToTheSurvivor) {
 // As in a long run: keyframes come and go, and with them their points, many times as many as the table has ids.
 TEST(Map, IdsOfPointsOutliveTheirTable) {
   constexpr std::size_t kPages = 16;
-  Map map(ScalePyramid(), kPages);
+  Map map(ScalePyramid(), {}, kPages);
   const KeyframeId root = AddKeyframe(map, 0);
-  const PointId first = map.AddPoint({0, 0, 2}, root, 0).id;
+  const PointId first = map.AddPoint({0, 0, 2}, root, 0);
   PointId newest = first;
   std::size_t given = 1;
-  std::size_t most_freed = 0;
   for (std::uint32_t frame = 1; given < 20 * kPages * kIdsPerPage; ++frame) {
     const KeyframeId keyframe = AddKeyframe(map, frame);
-    map.AddObservation(first, keyframe, 0);
+    map.Observe(first, keyframe, 0);
     map.UpdateCovisibility(keyframe);
     PointId fused;
     for (std::uint32_t i = 1; i < 100; ++i, ++given) {
-      const PointId point = map.AddPoint({0.01 * i, 0, 2}, keyframe, i).id;
+      const PointId point = map.AddPoint({0.01 * i, 0, 2}, keyframe, i);
       ASSERT_GT(point, newest);
       newest = point;
       if (i == 50) {
@@ -138,19 +140,21 @@ TEST(Map, IdsOfPointsOutliveTheirTable) {
     ASSERT_EQ(map.Resolve(fused), newest);
     map.EraseKeyframe(keyframe);
     ASSERT_FALSE(map.Resolve(newest).valid());
-    most_freed = std::max(most_freed, map.TakeFreedPointPages().size());
+    map.SetMovingProbability(first, 0.25);
   }
   EXPECT_GT(newest.index(), 20 * kPages * kIdsPerPage);
   EXPECT_EQ(map.point_count(), 1U);
   EXPECT_EQ(map.Points(), std::vector<PointId>{first});
-  EXPECT_LE(most_freed, 2U) << "what is dead is given back at once";
+  EXPECT_LE(map.probabilities().pages_made(), kPages);
+  EXPECT_EQ(map.probabilities().Get(first), 0.25);
+  EXPECT_THAT(map.Validate(), IsEmpty());
 }
 
 TEST(Map, AnErasedKeyframeHangsOnItsParent) {
   Pair pair(20);
   const KeyframeId c = AddKeyframe(pair.map, 9, 0.3);
   for (std::uint32_t i = 0; i < 20; ++i) {
-    EXPECT_TRUE(pair.map.AddObservation(PointId{i}, c, i));
+    EXPECT_TRUE(pair.map.Observe(PointId{i}, c, i));
   }
   pair.map.UpdateCovisibility(c);
   const Rigid3 before = pair.map.CameraFromWorld(pair.b);
@@ -166,8 +170,8 @@ TEST(Map, AnErasedKeyframeHangsOnItsParent) {
 
 TEST(LocalMap, IsASortedCopyThatLaterChangesDoNotReach) {
   Pair pair(20);
-  const PointId gone = pair.map.AddPoint({0.5, 0, 2}, pair.a, 60).id;
-  const PointId there = pair.map.AddPoint({0.5, 0, 2}, pair.b, 60).id;
+  const PointId gone = pair.map.AddPoint({0.5, 0, 2}, pair.a, 60);
+  const PointId there = pair.map.AddPoint({0.5, 0, 2}, pair.b, 60);
   pair.map.Fuse(gone, there);
   const auto local = BuildLocalMap(pair.map, pair.b, {});
   EXPECT_EQ(local->size(), 21U);
@@ -178,7 +182,7 @@ TEST(LocalMap, IsASortedCopyThatLaterChangesDoNotReach) {
   EXPECT_EQ(local->IndexOf(PointId{999}), std::nullopt);
   EXPECT_EQ(local->Find(KeyframeId{7}), nullptr);
   const Eigen::Vector3d before = local->Position(0);
-  pair.map.At(PointId{0}).position.x() += 1;
+  pair.map.Move(PointId{0}, before.cast<double>() + Eigen::Vector3d(1, 0, 0));
   EXPECT_EQ(local->Position(0), before);
 }
 
@@ -187,7 +191,7 @@ TEST(LocalMap, IsBounded) {
   for (std::uint32_t k = 0; k < 20; ++k) {
     const KeyframeId id = AddKeyframe(pair.map, 10 + k);
     for (std::uint32_t i = 0; i < 20; ++i) {
-      EXPECT_TRUE(pair.map.AddObservation(PointId{i}, id, i));
+      EXPECT_TRUE(pair.map.Observe(PointId{i}, id, i));
     }
     pair.map.UpdateCovisibility(id);
   }

@@ -2,8 +2,18 @@
 #include "map/moving_probability.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace rds {
+namespace {
+
+// Within what a float can tell from 0 and 1.
+double LogOdds(double probability) {
+  const double p = std::clamp(probability, 1e-6, 1.0 - 1e-6);
+  return std::log(p / (1.0 - p));
+}
+
+}  // namespace
 
 double UpdateProbability(double prior, bool observed_dynamic, const MovingProbabilityOptions& options) {
   const double if_dynamic = observed_dynamic ? options.alpha : 1.0 - options.alpha;
@@ -62,8 +72,17 @@ void MovingProbabilities::Release(std::span<const std::uint32_t> page_numbers) {
   }
 }
 
-void MovingProbabilities::Observe(PointId id, bool dynamic, const MovingProbabilityOptions& options) {
-  Set(id, UpdateProbability(Get(id), dynamic, options));
+float MovingProbabilities::Observe(PointId id, bool dynamic) {
+  const double before = Get(id);
+  Set(id, UpdateProbability(before, dynamic, options_));
+  return static_cast<float>(LogOdds(Get(id)) - LogOdds(before));
+}
+
+void MovingProbabilities::Retract(PointId id, float log_odds) {
+  if (log_odds != 0) {
+    const double odds = std::exp(LogOdds(Get(id)) - static_cast<double>(log_odds));
+    Set(id, std::clamp(odds / (1.0 + odds), options_.floor, 1.0 - options_.floor));
+  }
 }
 
 }  // namespace rds

@@ -43,13 +43,13 @@ enum class PointState : std::uint8_t { kStatic, kUnknown, kDynamic };
 // Probability of a point into which another was fused: both are independent evidence on the same prior of .5.
 [[nodiscard]] double FuseProbabilities(double a, double b, const MovingProbabilityOptions& options);
 
-// Table of probabilities by point id, in the pages of the map's ids (IdTable). Get is wait-free, from any thread, so a
-// label helps tracking the moment it arrives. The rest is for writers that hold the lock of the map.
+// Table of probabilities by point id, in the pages of the map's ids (IdTable). Get and State are wait-free, from any
+// thread, so a label helps tracking the moment it arrives. The rest is for the map.
 class MovingProbabilities {
  public:
   // `pages`: as those of the map's points.
-  explicit MovingProbabilities(std::size_t pages = kIdPages)
-      : places_(std::bit_ceil(pages)), mask_(places_.size() - 1) {}
+  explicit MovingProbabilities(const MovingProbabilityOptions& options = {}, std::size_t pages = kIdPages)
+      : options_(options), places_(std::bit_ceil(pages)), mask_(places_.size() - 1) {}
   ~MovingProbabilities();
   MovingProbabilities(const MovingProbabilities&) = delete;
   MovingProbabilities& operator=(const MovingProbabilities&) = delete;
@@ -62,11 +62,15 @@ class MovingProbabilities {
                ? kUnknownProbability
                : static_cast<double>((*page)[id.index() % kIdsPerPage].load(std::memory_order_relaxed));
   }
+  [[nodiscard]] PointState State(PointId id) const { return StateOf(Get(id), options_); }
+  [[nodiscard]] const MovingProbabilityOptions& options() const { return options_; }
+
   void Set(PointId id, double probability);
-  // UpdateProbability in place.
-  void Observe(PointId id, bool dynamic, const MovingProbabilityOptions& options);
-  // Gives back pages whose points are all dead (Map::TakeFreedPointPages), in a while: for kPatience more calls whoever
-  // holds an old snapshot still finds the values.
+  // UpdateProbability in place. Returns what that added to the log odds; Retract takes it back.
+  float Observe(PointId id, bool dynamic);
+  void Retract(PointId id, float log_odds);
+  // Gives back pages whose points are all dead, in a while: for kPatience more calls whoever holds an old snapshot
+  // still finds the values.
   void Release(std::span<const std::uint32_t> page_numbers);
   // Memory in pages, used or kept for use.
   [[nodiscard]] std::size_t pages_made() const { return made_.size(); }
@@ -88,6 +92,7 @@ class MovingProbabilities {
   static std::uint32_t NumberOf(PointId id) { return static_cast<std::uint32_t>(id.index() / kIdsPerPage); }
   [[nodiscard]] Page& PageFor(std::uint32_t number);
 
+  MovingProbabilityOptions options_;
   std::vector<Place> places_;  // page n at n & mask_
   std::size_t mask_;
   std::vector<std::unique_ptr<Page>> made_;

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -53,12 +54,15 @@ TEST(MovingProbabilities, UnsetPointsAreUnknownAndBlocksGrow) {
   table.Set(PointId{123456}, 0.25);
   EXPECT_EQ(table.Get(PointId{123456}), 0.25);
   EXPECT_EQ(table.Get(PointId{123457}), kUnknownProbability);
-  table.Observe(PointId{7}, true, {});
+  EXPECT_NEAR(table.Observe(PointId{7}, true), std::log(9), 1e-5);
   EXPECT_NEAR(table.Get(PointId{7}), 0.9, 1e-6);
+  EXPECT_EQ(table.State(PointId{7}), PointState::kDynamic);
+  table.Retract(PointId{7}, static_cast<float>(std::log(9)));
+  EXPECT_NEAR(table.Get(PointId{7}), kUnknownProbability, 1e-6);
 }
 
 TEST(MovingProbabilities, ReleasedPagesAreForgottenInAWhileAndServeAgain) {
-  MovingProbabilities table(4);
+  MovingProbabilities table({}, 4);
   table.Set(PointId{3}, 0.25);
   const std::vector<std::uint32_t> first = {0};
   table.Release(first);

@@ -2,7 +2,9 @@
 #include "mapping/local_bundle.h"
 
 #include <algorithm>
+#include <iterator>
 #include <map>
+#include <utility>
 
 #include "feature/keypoint_observation.h"
 
@@ -57,44 +59,39 @@ std::vector<KeyframeId> SelectFixed(const Map& map, const std::vector<KeyframeId
 
 }  // namespace
 
-LocalBundle CopyLocalBundle(const Map& map, KeyframeId center, bool semantics, const MovingProbabilities& probabilities,
-                            const MovingProbabilityOptions& probability_options, const LocalBundleOptions& options) {
+std::optional<LocalBundle> PlanLocalBundle(const Map& map, KeyframeId center, bool semantics,
+                                           const LocalBundleOptions& options) {
   LocalBundle bundle;
   const bool weighted = semantics && options.weighted;
+  const MovingProbabilities& probabilities = map.probabilities();
   const std::vector<KeyframeId> free_keyframes = SelectFree(map, center, semantics, options);
+  std::vector<PointId> points;
   for (const KeyframeId id : free_keyframes) {
-    for (const PointId point : map.At(id).points) {
-      if (point.valid()) {
-        bundle.points.push_back(point);
-      }
-    }
+    std::ranges::copy_if(map.At(id).points, std::back_inserter(points), &PointId::valid);
   }
-  std::ranges::sort(bundle.points);
-  const auto rest = std::ranges::unique(bundle.points);
-  bundle.points.erase(rest.begin(), rest.end());
+  std::ranges::sort(points);
+  const auto rest = std::ranges::unique(points);
+  points.erase(rest.begin(), rest.end());
   if (weighted) {  // a point known to move constrains nothing
-    std::erase_if(bundle.points, [&](PointId id) {
-      return StateOf(probabilities.Get(id), probability_options) == PointState::kDynamic;
-    });
+    std::erase_if(points, [&](PointId id) { return probabilities.State(id) == PointState::kDynamic; });
   }
-  bundle.keyframes = free_keyframes;
-  const std::vector<KeyframeId> fixed = SelectFixed(map, free_keyframes, bundle.points, options);
-  bundle.keyframes.insert(bundle.keyframes.end(), fixed.begin(), fixed.end());
+  std::vector<KeyframeId> keyframes = free_keyframes;
+  const std::vector<KeyframeId> fixed = SelectFixed(map, free_keyframes, points, options);
+  keyframes.insert(keyframes.end(), fixed.begin(), fixed.end());
 
   std::map<KeyframeId, std::uint32_t> pose_of;
-  for (std::size_t i = 0; i < bundle.keyframes.size(); ++i) {
-    const Keyframe& keyframe = map.At(bundle.keyframes[i]);
+  for (const KeyframeId id : keyframes) {
+    const Keyframe& keyframe = map.At(id);
+    const auto index = static_cast<std::uint32_t>(bundle.keyframes.size());
     bundle.problem.camera = keyframe.data->camera();
-    const bool is_root = keyframe.id == map.keyframes().front();
-    bundle.problem.poses.push_back({keyframe.camera_from_world, is_root || i >= free_keyframes.size()});
-    bundle.revisions.push_back(keyframe.pose_revision);
-    pose_of[keyframe.id] = static_cast<std::uint32_t>(i);
+    bundle.problem.poses.push_back({keyframe.camera_from_world, map.IsRoot(id) || index >= free_keyframes.size()});
+    bundle.keyframes.push_back({id, keyframe.pose_revision});
+    pose_of[id] = index;
   }
   if (std::ranges::none_of(bundle.problem.poses, &BundleProblem::Pose::fixed)) {
     bundle.problem.poses.front().fixed = true;  // the oldest of the window
   }
-  std::vector<PointId> kept;
-  for (const PointId id : bundle.points) {
+  for (const PointId id : points) {
     const MapPoint& point = map.At(id);
     const double weight = weighted ? 1.0 - probabilities.Get(id) : 1.0;
     const std::size_t before = bundle.problem.observations.size();
@@ -102,45 +99,46 @@ LocalBundle CopyLocalBundle(const Map& map, KeyframeId center, bool semantics, c
       const auto pose = pose_of.find(observation.keyframe);
       if (pose != pose_of.end()) {
         const Keypoint& keypoint = map.At(observation.keyframe).data->keypoints()[observation.keypoint];
-        bundle.problem.observations.push_back(
-            {pose->second, static_cast<std::uint32_t>(kept.size()), ObservationOf(keypoint, map.pyramid(), weight)});
+        bundle.problem.observations.push_back({pose->second, static_cast<std::uint32_t>(bundle.points.size()),
+                                               ObservationOf(keypoint, map.pyramid(), weight)});
       }
     }
     const std::size_t added = bundle.problem.observations.size() - before;
     if (added == 0 || (added == 1 && !bundle.problem.observations.back().keypoint.HasDepth())) {
       bundle.problem.observations.resize(before);  // its depth would be free
     } else {
-      kept.push_back(id);
+      bundle.points.push_back({id, point.revision, {point.reference, map.At(point.reference).pose_revision}});
       bundle.problem.points.push_back(point.position);
     }
   }
-  bundle.points = std::move(kept);
-  bundle.worthwhile = map.keyframes().size() >= 2 && !bundle.problem.points.empty() &&
-                      std::ranges::any_of(bundle.problem.poses, [](const auto& pose) { return !pose.fixed; });
-  return bundle;
+  const bool worthwhile = map.keyframes().size() >= 2 && !bundle.problem.points.empty() &&
+                          std::ranges::any_of(bundle.problem.poses, [](const auto& pose) { return !pose.fixed; });
+  return worthwhile ? std::optional(std::move(bundle)) : std::nullopt;
 }
 
-void ApplyLocalBundle(Map& map, const LocalBundle& bundle, const BundleResult& result) {
+std::optional<Correction> SolveLocalBundle(const LocalBundle& bundle, const BundleOptions& options,
+                                           const std::function<bool()>& should_stop) {
+  const BundleResult result = AdjustBundle(bundle.problem, options, should_stop);
+  if (!result.usable) {
+    return std::nullopt;
+  }
+  Correction correction;
   for (std::size_t i = 0; i < bundle.keyframes.size(); ++i) {
-    const Keyframe* keyframe = map.Find(bundle.keyframes[i]);
-    if (keyframe != nullptr && !bundle.problem.poses[i].fixed && keyframe->pose_revision == bundle.revisions[i]) {
-      map.SetPose(keyframe->id, result.poses[i]);
+    if (!bundle.problem.poses[i].fixed) {
+      correction.poses.push_back({bundle.keyframes[i], result.poses[i]});
     }
   }
   for (std::size_t i = 0; i < bundle.problem.observations.size(); ++i) {
-    const BundleProblem::Observation& observation = bundle.problem.observations[i];
-    const PointId point = bundle.points[observation.point];
-    if (result.outlier[i] != 0 && map.Find(point) != nullptr &&
-        map.Find(bundle.keyframes[observation.pose]) != nullptr) {
-      map.RemoveObservation(point, bundle.keyframes[observation.pose]);
+    if (result.outlier[i] != 0) {
+      const BundleProblem::Observation& observation = bundle.problem.observations[i];
+      correction.removals.push_back({bundle.points[observation.point].id, bundle.keyframes[observation.pose].keyframe});
     }
   }
   for (std::size_t i = 0; i < bundle.points.size(); ++i) {
-    if (MapPoint* point = map.Find(bundle.points[i])) {
-      point->position = result.points[i];
-      map.UpdateNormal(point->id);
-    }
+    const LocalBundle::Point& point = bundle.points[i];
+    correction.points.push_back({point.id, point.revision, point.reference, result.points[i]});
   }
+  return correction;
 }
 
 }  // namespace rds

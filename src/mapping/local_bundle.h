@@ -1,41 +1,35 @@
 // SPDX-License-Identifier: Apache-2.0
-// The local bundle adjustment's way out of the map and back.
+// Local bundle adjustment: poses and points around a keyframe refined together.
 #pragma once
 
+#include <functional>
+#include <optional>
 #include <vector>
 
 #include "map/map.h"
-#include "map/moving_probability.h"
+#include "mapping/mapping_options.h"
 #include "optim/bundle_adjustment.h"
 
 namespace rds {
 
-struct LocalBundleOptions {
-  int keyframes = 20;         // optimized at most: the newest and its best covisible ones
-  int fixed_keyframes = 20;   // others that see the same points, held fixed, at most
-  bool weighted = true;       // residuals weighted by 1 - p (equation 6), points known as dynamic left out
-  bool labeled_only = false;  // only keyframes with semantic information, once there are enough
-  int enough_labeled = 3;     // keyframes; with fewer the newest keyframes take part without labels
-  BundleOptions solver;
-};
-
-// A copy of the window around a keyframe, with what is needed to write the result back.
+// A copy of the window around a keyframe.
 struct LocalBundle {
+  struct Point {
+    PointId id;
+    std::uint32_t revision = 0;
+    KeyframeVersion reference;
+  };
   BundleProblem problem;
-  std::vector<KeyframeId> keyframes;     // one for each pose of the problem
-  std::vector<std::uint32_t> revisions;  // Keyframe::pose_revision when copied
-  std::vector<PointId> points;           // one for each point of the problem
-  bool worthwhile = false;               // false: nothing to optimize
+  std::vector<KeyframeVersion> keyframes;  // one for each pose of the problem
+  std::vector<Point> points;               // one for each point of the problem
 };
 
-// Copies the window out. `semantics`: labels are expected at all. Needs the lock of the map.
-[[nodiscard]] LocalBundle CopyLocalBundle(const Map& map, KeyframeId center, bool semantics,
-                                          const MovingProbabilities& probabilities,
-                                          const MovingProbabilityOptions& probability_options,
-                                          const LocalBundleOptions& options);
+// Copies the window out. `semantics`: labels are expected at all. Nothing if there is nothing to optimize.
+[[nodiscard]] std::optional<LocalBundle> PlanLocalBundle(const Map& map, KeyframeId center, bool semantics,
+                                                         const LocalBundleOptions& options);
 
-// Writes back what is still valid: poses not changed by others since, points that live, outliers unlinked. Needs the
-// lock of the map.
-void ApplyLocalBundle(Map& map, const LocalBundle& bundle, const BundleResult& result);
+// Poses and points after bundle adjustment, outliers removed. Nothing if it was stopped before it found anything.
+[[nodiscard]] std::optional<Correction> SolveLocalBundle(const LocalBundle& bundle, const BundleOptions& options,
+                                                         const std::function<bool()>& should_stop = {});
 
 }  // namespace rds

@@ -25,7 +25,6 @@ Rigid3 Truth(std::size_t keyframe) {
 // the root's are off by some centimeters, points by some millimeters.
 struct Scene {
   Map map{ScalePyramid()};
-  MovingProbabilities probabilities;
   LocalBundleOptions options;
   std::vector<Eigen::Vector3d> points;
 
@@ -54,23 +53,25 @@ struct Scene {
         value = k == 0 ? 0 : random.Uniform(-0.02, 0.02);
       }
       const auto frame = static_cast<std::uint32_t>(k);
-      const KeyframeId id = map.AddKeyframe(FrameId{frame}, 0.1 * frame, Perturb(error, Truth(k)), data).id;
+      const KeyframeId id = map.AddKeyframe(FrameId{frame}, 0.1 * frame, Perturb(error, Truth(k)), data);
       for (std::uint32_t i = 0; i < kPoints; ++i) {
         if (k == 0) {
           map.AddPoint(points[i] + Eigen::Vector3d(random.Uniform(-0.005, 0.005), 0.003, 0.005), id, i);
         } else {
-          EXPECT_TRUE(map.AddObservation(PointId{i}, id, i));
+          EXPECT_TRUE(map.Observe(PointId{i}, id, i));
         }
       }
       map.UpdateCovisibility(id);
     }
   }
-  [[nodiscard]] LocalBundle Copy(bool semantics = true) const {
-    return CopyLocalBundle(map, map.newest(), semantics, probabilities, {}, options);
+  [[nodiscard]] LocalBundle Plan(bool semantics = true) const {
+    return PlanLocalBundle(map, map.newest(), semantics, options).value();
   }
+  [[nodiscard]] bool IsWorthwhile() const { return PlanLocalBundle(map, map.newest(), true, options).has_value(); }
+  Applied Apply(const LocalBundle& bundle) { return map.Apply(SolveLocalBundle(bundle, options.solver).value()); }
   void Label(std::uint32_t keyframe) {
-    Keyframe& labeled = map.At(KeyframeId{keyframe});
-    labeled.labels.assign(labeled.points.size(), KeypointLabel::kNone);
+    const KeyframeId id{keyframe};
+    map.Label(id, std::vector(map.At(id).points.size(), KeypointLabel::kNone));
   }
 };
 
@@ -78,7 +79,7 @@ std::vector<std::uint32_t> FreePoses(const LocalBundle& bundle) {
   std::vector<std::uint32_t> free_ones;
   for (std::size_t i = 0; i < bundle.keyframes.size(); ++i) {
     if (!bundle.problem.poses[i].fixed) {
-      free_ones.push_back(bundle.keyframes[i].value);
+      free_ones.push_back(bundle.keyframes[i].keyframe.value);
     }
   }
   return free_ones;
@@ -88,12 +89,11 @@ using Values = std::vector<std::uint32_t>;
 
 TEST(LocalBundle, RecoversPosesAndPointsWithTheRootHeld) {
   Scene scene(4);
-  const LocalBundle bundle = scene.Copy();
-  ASSERT_TRUE(bundle.worthwhile);
+  const LocalBundle bundle = scene.Plan();
   EXPECT_EQ(FreePoses(bundle), (Values{1, 2, 3}));
   EXPECT_EQ(bundle.problem.observations.size(), 4U * kPoints);
   scene.options.solver.robust_iterations = scene.options.solver.final_iterations = 20;
-  ApplyLocalBundle(scene.map, bundle, AdjustBundle(bundle.problem, scene.options.solver));
+  scene.Apply(bundle);
   for (std::uint32_t k = 0; k < 4; ++k) {
     EXPECT_THAT(scene.map.At(KeyframeId{k}).camera_from_world, RigidNear(Truth(k), k == 0 ? 0.0 : 1e-3, 0.02)) << k;
     EXPECT_EQ(scene.map.At(KeyframeId{k}).pose_revision, k == 0 ? 0U : 1U);
@@ -106,32 +106,32 @@ TEST(LocalBundle, RecoversPosesAndPointsWithTheRootHeld) {
 
 TEST(LocalBundle, DynamicPointsAreLeftOutAndOthersWeightedIfAsked) {
   Scene scene(2);
-  scene.probabilities.Set(PointId{3}, 0.9);
-  scene.probabilities.Set(PointId{4}, 0.2);
-  const LocalBundle weighted = scene.Copy();
+  scene.map.SetMovingProbability(PointId{3}, 0.9);
+  scene.map.SetMovingProbability(PointId{4}, 0.2);
+  const LocalBundle weighted = scene.Plan();
   EXPECT_EQ(weighted.points.size(), kPoints - 1);
-  EXPECT_EQ(std::ranges::count(weighted.points, PointId{3}), 0);
+  EXPECT_EQ(std::ranges::count(weighted.points, PointId{3}, &LocalBundle::Point::id), 0);
   for (const BundleProblem::Observation& observation : weighted.problem.observations) {
-    EXPECT_NEAR(observation.keypoint.weight, weighted.points[observation.point] == PointId{4} ? 0.8 : 0.5, 1e-6);
+    EXPECT_NEAR(observation.keypoint.weight, weighted.points[observation.point].id == PointId{4} ? 0.8 : 0.5, 1e-6);
   }
   const auto all_count_alike = [](const LocalBundle& bundle) {
     return bundle.points.size() == kPoints &&
            std::ranges::all_of(bundle.problem.observations, [](const auto& one) { return one.keypoint.weight == 1.0; });
   };
-  EXPECT_TRUE(all_count_alike(scene.Copy(false)));
+  EXPECT_TRUE(all_count_alike(scene.Plan(false)));
   scene.options.weighted = false;
-  EXPECT_TRUE(all_count_alike(scene.Copy()));
+  EXPECT_TRUE(all_count_alike(scene.Plan()));
 }
 
 TEST(LocalBundle, KeyframesBeyondTheWindowAreHeld) {
   Scene scene(5);
   scene.options.keyframes = 2;
-  const LocalBundle bundle = scene.Copy();
+  const LocalBundle bundle = scene.Plan();
   EXPECT_EQ(FreePoses(bundle), (Values{4}));  // the other one of the window is the root, the most covisible by id
   EXPECT_EQ(bundle.keyframes.size(), 5U);
   scene.options.fixed_keyframes = 1;
-  EXPECT_EQ(scene.Copy().keyframes.size(), 3U);
-  EXPECT_EQ(scene.Copy().problem.observations.size(), 3U * kPoints);
+  EXPECT_EQ(scene.Plan().keyframes.size(), 3U);
+  EXPECT_EQ(scene.Plan().problem.observations.size(), 3U * kPoints);
 }
 
 TEST(LocalBundle, OnlyLabeledKeyframesTakePartOnceThereAreEnough) {
@@ -140,45 +140,44 @@ TEST(LocalBundle, OnlyLabeledKeyframesTakePartOnceThereAreEnough) {
   scene.options.fixed_keyframes = 0;
   scene.Label(2);
   scene.Label(3);
-  EXPECT_EQ(FreePoses(scene.Copy()), (Values{1, 2, 3, 4, 5}));
+  EXPECT_EQ(FreePoses(scene.Plan()), (Values{1, 2, 3, 4, 5}));
   scene.Label(5);
   // No root among them: the oldest is held.
-  EXPECT_EQ(scene.Copy().keyframes.size(), 3U);
-  EXPECT_EQ(FreePoses(scene.Copy()), (Values{3, 5}));
-  EXPECT_EQ(FreePoses(scene.Copy(false)), (Values{1, 2, 3, 4, 5}));
+  EXPECT_EQ(scene.Plan().keyframes.size(), 3U);
+  EXPECT_EQ(FreePoses(scene.Plan()), (Values{3, 5}));
+  EXPECT_EQ(FreePoses(scene.Plan(false)), (Values{1, 2, 3, 4, 5}));
 }
 
 TEST(LocalBundle, APointSeenOnceTakesPartOnlyWithDepth) {
   Scene scene(2);
-  const PointId deep = scene.map.AddPoint({0, 0, 2}, scene.map.newest(), kPoints).id;
-  const PointId flat = scene.map.AddPoint({0, 0, 2}, scene.map.newest(), kPoints + 1).id;
-  const LocalBundle bundle = scene.Copy();
-  EXPECT_EQ(std::ranges::count(bundle.points, deep), 1);
-  EXPECT_EQ(std::ranges::count(bundle.points, flat), 0);
+  const PointId deep = scene.map.AddPoint({0, 0, 2}, scene.map.newest(), kPoints);
+  const PointId flat = scene.map.AddPoint({0, 0, 2}, scene.map.newest(), kPoints + 1);
+  const LocalBundle bundle = scene.Plan();
+  EXPECT_EQ(std::ranges::count(bundle.points, deep, &LocalBundle::Point::id), 1);
+  EXPECT_EQ(std::ranges::count(bundle.points, flat, &LocalBundle::Point::id), 0);
   EXPECT_EQ(bundle.problem.points.size(), bundle.points.size());
   EXPECT_EQ(bundle.problem.observations.size(), 2U * kPoints + 1);
 }
 
 TEST(LocalBundle, IsNotWorthwhileWithOneKeyframeOrNoPoints) {
-  EXPECT_FALSE(Scene(1).Copy().worthwhile);
+  EXPECT_FALSE(Scene(1).IsWorthwhile());
   Scene scene(2);
   for (std::uint32_t i = 0; i < kPoints; ++i) {
-    scene.probabilities.Set(PointId{i}, 0.95);
+    scene.map.SetMovingProbability(PointId{i}, 0.95);
   }
-  EXPECT_FALSE(scene.Copy().worthwhile);
+  EXPECT_FALSE(scene.IsWorthwhile());
 }
 
 TEST(LocalBundle, WhatChangedMeanwhileIsNotWrittenOver) {
   Scene scene(4);
-  const LocalBundle bundle = scene.Copy();
-  const BundleResult result = AdjustBundle(bundle.problem);
-  ASSERT_TRUE(result.usable);
+  const LocalBundle bundle = scene.Plan();
+  const Correction correction = SolveLocalBundle(bundle, {}).value();
   const Rigid3 changed{Eigen::Quaterniond::Identity(), {-0.3, 0.1, 0}};
   scene.map.SetPose(KeyframeId{2}, changed);
   scene.map.EraseKeyframe(KeyframeId{1});
   scene.map.ErasePoint(PointId{5});
-  scene.map.Fuse(PointId{6}, scene.map.AddPoint({0, 0, 2}, KeyframeId{3}, kPoints).id);
-  ApplyLocalBundle(scene.map, bundle, result);
+  scene.map.Fuse(PointId{6}, scene.map.AddPoint({0, 0, 2}, KeyframeId{3}, kPoints));
+  scene.map.Apply(correction);
   EXPECT_THAT(scene.map.At(KeyframeId{2}).camera_from_world, RigidNear(changed, 0.0, 1e-6));
   EXPECT_THAT(scene.map.At(KeyframeId{3}).camera_from_world, RigidNear(Truth(3), 2e-3, 0.1));
   EXPECT_EQ(scene.map.Find(KeyframeId{1}), nullptr);
@@ -188,9 +187,9 @@ TEST(LocalBundle, WhatChangedMeanwhileIsNotWrittenOver) {
 
 TEST(LocalBundle, OutlierObservationsAreUnlinked) {
   Scene scene(4, 8);
-  const LocalBundle bundle = scene.Copy();
+  const LocalBundle bundle = scene.Plan();
   scene.options.solver.robust_iterations = scene.options.solver.final_iterations = 20;
-  ApplyLocalBundle(scene.map, bundle, AdjustBundle(bundle.problem, scene.options.solver));
+  scene.Apply(bundle);
   EXPECT_FALSE(scene.map.At(KeyframeId{3}).points[8].valid());
   EXPECT_EQ(scene.map.At(PointId{8}).observations.size(), 3U);
   EXPECT_EQ(scene.map.At(PointId{9}).observations.size(), 4U);

@@ -4,43 +4,70 @@
 #include <algorithm>
 #include <utility>
 
-#include "base/error.h"
-#include "semantic/evidence.h"
+#include "mapping/local_bundle.h"
+#include "mapping/point_creation.h"
+#include "mapping/point_fusion.h"
 
 namespace rds {
+namespace {
 
-LocalMapper::LocalMapper(const MappingOptions& options, const MovingProbabilityOptions& probability_options,
-                         MovingProbabilities& probabilities)
-    : options_(options), probability_options_(probability_options), probabilities_(probabilities) {}
+constexpr std::size_t kSecondNeighbors = 5;  // that each neighbor brings into the search for duplicates
 
-KeyframeId LocalMapper::Insert(Map& map, const KeyframeCandidate& candidate) {
-  const Rigid3 pose = candidate.reference.valid()
-                          ? candidate.camera_from_reference * map.CameraFromWorld(candidate.reference)
-                          : candidate.camera_from_reference;
-  Keyframe& keyframe = map.AddKeyframe(candidate.frame, candidate.timestamp_s, pose, candidate.data);
-  for (const PointUse& use : candidate.uses) {
-    if (MapPoint* point = map.Find(map.Resolve(use.point))) {
-      point->visible += use.visible;
-      point->found += use.found;
+// Keyframes that may show the same points: neighbors and their neighbors.
+std::vector<KeyframeId> FusionTargets(const Map& map, KeyframeId id, std::size_t neighbors) {
+  std::vector<KeyframeId> targets = map.BestCovisible(id, neighbors);
+  const std::size_t direct = targets.size();
+  for (std::size_t i = 0; i < direct; ++i) {
+    for (const KeyframeId second : map.BestCovisible(targets[i], kSecondNeighbors)) {
+      if (second != id && std::ranges::find(targets, second) == targets.end()) {
+        targets.push_back(second);
+      }
     }
   }
-  AddTrackedPoints(map, keyframe, candidate);
-  AddDepthPoints(map, keyframe, candidate);
-  map.UpdateCovisibility(keyframe.id);
-  return keyframe.id;
+  return targets;
 }
 
-void LocalMapper::AddTrackedPoints(Map& map, Keyframe& keyframe, const KeyframeCandidate& candidate) {
+// Ascending, each once.
+std::vector<PointId> PointsOf(const Map& map, const std::vector<KeyframeId>& keyframes) {
+  std::vector<PointId> points;
+  for (const KeyframeId id : keyframes) {
+    points.insert(points.end(), map.At(id).points.begin(), map.At(id).points.end());
+  }
+  std::ranges::sort(points);
+  const auto rest = std::ranges::unique(points);
+  points.erase(rest.begin(), rest.end());
+  return points;
+}
+
+}  // namespace
+
+KeyframeId LocalMapper::Insert(Map& map, const KeyframeCandidate& candidate) {
+  const bool starts_world = !candidate.reference.valid();
+  const Rigid3 pose = starts_world ? candidate.camera_from_reference
+                                   : candidate.camera_from_reference * map.CameraFromWorld(candidate.reference);
+  const WorldId world = starts_world ? map.AddWorld() : map.WorldOf(candidate.reference);
+  const KeyframeId id = map.AddKeyframe(candidate.frame, candidate.timestamp_s, pose, candidate.data, world);
+  for (const PointUse& use : candidate.uses) {
+    if (const PointId point = map.Resolve(use.point); point.valid()) {
+      map.CountUse(point, use.visible, use.found);
+    }
+  }
+  ObserveTrackedPoints(map, id, candidate);
+  AddDepthPoints(map, map.At(id), candidate);
+  map.UpdateCovisibility(id);
+  return id;
+}
+
+void LocalMapper::ObserveTrackedPoints(Map& map, KeyframeId keyframe, const KeyframeCandidate& candidate) {
   for (std::size_t i = 0; i < candidate.points.size(); ++i) {
     const PointId id = candidate.points[i].valid() ? map.Resolve(candidate.points[i]) : PointId{};
-    if (id.valid() &&
-        AddObservation(map, id, keyframe.id, static_cast<std::uint32_t>(i), probabilities_, probability_options_)) {
+    if (id.valid() && map.Observe(id, keyframe, static_cast<std::uint32_t>(i))) {
       map.UpdateAppearance(id);
     }
   }
 }
 
-void LocalMapper::AddDepthPoints(Map& map, Keyframe& keyframe, const KeyframeCandidate& candidate) {
+void LocalMapper::AddDepthPoints(Map& map, const Keyframe& keyframe, const KeyframeCandidate& candidate) {
   const FrameData& data = *keyframe.data;
   std::vector<bool> blocked(data.size(), false);
   for (const std::uint32_t keypoint : candidate.blocked) {
@@ -53,7 +80,7 @@ void LocalMapper::AddDepthPoints(Map& map, Keyframe& keyframe, const KeyframeCan
     }
   }
   std::ranges::sort(by_depth);
-  const double close_m = options_.close_baselines * data.camera().baseline_m;
+  const double close_m = options_.depth_threshold * data.camera().baseline_m;
   const Rigid3 world_from_camera = keyframe.camera_from_world.Inverse();
   for (std::size_t rank = 0; rank < by_depth.size(); ++rank) {
     const auto [depth_m, index] = by_depth[rank];
@@ -64,21 +91,20 @@ void LocalMapper::AddDepthPoints(Map& map, Keyframe& keyframe, const KeyframeCan
       const Keypoint& keypoint = data.keypoints()[index];
       const Eigen::Vector3d in_camera = data.camera().Unproject(
           {static_cast<double>(keypoint.x), static_cast<double>(keypoint.y)}, static_cast<double>(depth_m));
-      const PointId point =
-          AddPoint(map, world_from_camera * in_camera, keyframe.id, index, probabilities_, probability_options_).id;
+      const PointId point = map.AddPoint(world_from_camera * in_camera, keyframe.id, index);
       if (!candidate.probabilities.empty()) {
-        probabilities_.Set(point, candidate.probabilities[index]);
+        map.SetMovingProbability(point, candidate.probabilities[index]);
       }
       recent_points_.push_back(point);
     }
   }
 }
 
-void LocalMapper::Refine(Map& map, KeyframeId keyframe) {
-  CullRecentPoints(map, keyframe);
-  Triangulate(map, keyframe);
-  Fuse(map, keyframe);
-  map.UpdateCovisibility(keyframe);
+void LocalMapper::Refine(MapAccess& map, KeyframeId keyframe) {
+  map.Write([&](Map& locked) { CullRecentPoints(locked, keyframe); });
+  CreatePoints(map, keyframe);
+  FusePoints(map, keyframe);
+  map.Write([&](Map& locked) { locked.UpdateCovisibility(keyframe); });
 }
 
 void LocalMapper::CullRecentPoints(Map& map, KeyframeId newest) {
@@ -98,20 +124,65 @@ void LocalMapper::CullRecentPoints(Map& map, KeyframeId newest) {
   });
 }
 
-std::vector<KeyframeId> LocalMapper::CullKeyframes(Map& map, KeyframeId newest) {
-  std::vector<KeyframeId> removed;
-  for (const KeyframeId id : map.BestCovisible(newest, static_cast<std::size_t>(options_.cull_keyframes))) {
-    const Keyframe& keyframe = map.At(id);
-    if (keyframe.parent.valid() && id != newest && IsRedundant(map, keyframe)) {
-      map.EraseKeyframe(id);
-      removed.push_back(id);
+void LocalMapper::CreatePoints(MapAccess& map, KeyframeId keyframe) {
+  const auto neighbors = map.Read([&](const Map& locked) {
+    return locked.BestCovisible(keyframe, static_cast<std::size_t>(options_.triangulate_neighbors));
+  });
+  for (const KeyframeId neighbor : neighbors) {
+    const Applied applied =
+        map.Commit([&](const Map& locked) { return PlanCreation(locked, keyframe, neighbor); },
+                   [&](const auto& problem) { return SolveCreation(problem, options_.triangulate_ratio); });
+    recent_points_.insert(recent_points_.end(), applied.new_points.begin(), applied.new_points.end());
+  }
+}
+
+void LocalMapper::FusePoints(MapAccess& map, KeyframeId keyframe) {
+  const std::vector<KeyframeId> targets = map.Read([&](const Map& locked) {
+    return FusionTargets(locked, keyframe, static_cast<std::size_t>(options_.fuse_neighbors));
+  });
+  for (const KeyframeId target : targets) {
+    map.Commit([&](const Map& locked) { return PlanFusion(locked, target, locked.At(keyframe).points); }, SolveFusion);
+  }
+  map.Commit([&](const Map& locked) { return PlanFusion(locked, keyframe, PointsOf(locked, targets)); }, SolveFusion);
+  map.Write([&](Map& locked) {
+    for (const PointId point : locked.At(keyframe).points) {
+      if (point.valid()) {
+        locked.UpdateAppearance(point);
+      }
+    }
+  });
+}
+
+bool LocalMapper::Adjust(MapAccess& map, KeyframeId keyframe, bool semantics,
+                         const std::function<bool()>& should_stop) {
+  bool planned = false;
+  map.Commit(
+      [&](const Map& locked) {
+        auto bundle = PlanLocalBundle(locked, keyframe, semantics, options_.bundle);
+        planned = bundle.has_value();
+        return bundle;
+      },
+      [&](const LocalBundle& bundle) { return SolveLocalBundle(bundle, options_.bundle.solver, should_stop); });
+  return planned;
+}
+
+void LocalMapper::CullKeyframes(MapAccess& map, KeyframeId newest) {
+  const auto candidates = map.Read([&](const Map& locked) {
+    return locked.BestCovisible(newest, static_cast<std::size_t>(options_.cull_keyframes));
+  });
+  for (const KeyframeId id : candidates) {
+    const bool redundant = map.Read([&](const Map& locked) {
+      const Keyframe& keyframe = locked.At(id);
+      return keyframe.parent.valid() && id != newest && IsRedundant(locked, keyframe);
+    });
+    if (redundant) {
+      map.Write([&](Map& locked) { locked.EraseKeyframe(id); });
     }
   }
-  return removed;
 }
 
 bool LocalMapper::IsRedundant(const Map& map, const Keyframe& keyframe) const {
-  const double close_m = options_.close_baselines * keyframe.data->camera().baseline_m;
+  const double close_m = options_.depth_threshold * keyframe.data->camera().baseline_m;
   int examined = 0;
   int redundant = 0;
   for (std::size_t i = 0; i < keyframe.points.size(); ++i) {
@@ -122,11 +193,8 @@ bool LocalMapper::IsRedundant(const Map& map, const Keyframe& keyframe) const {
     ++examined;
     int others = 0;
     for (const Observation& observation : map.At(keyframe.points[i]).observations) {
-      others +=
-          observation.keyframe != keyframe.id &&
-                  map.At(observation.keyframe).data->keypoints()[observation.keypoint].octave <= keypoint.octave + 1
-              ? 1
-              : 0;
+      const Keypoint& other = map.At(observation.keyframe).data->keypoints()[observation.keypoint];
+      others += observation.keyframe != keyframe.id && other.octave <= keypoint.octave + 1 ? 1 : 0;
     }
     redundant += others >= options_.redundant_observations ? 1 : 0;
   }

@@ -2,59 +2,46 @@
 // Local mapping: what a new keyframe does to the map around it.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "map/keyframe_candidate.h"
-#include "map/map.h"
-#include "map/moving_probability.h"
-#include "mapping/local_bundle.h"
+#include "map/map_access.h"
+#include "mapping/mapping_options.h"
 
 namespace rds {
 
-struct MappingOptions {
-  double close_baselines = 40;    // points are made from depth below so many baselines ...
-  int min_depth_points = 100;     // ... and for at least so many of the nearest keypoints with depth
-  int probation_keyframes = 3;    // keyframes for which a new point is on trial
-  double min_found_ratio = 0.25;  // of a point on trial
-  int min_observations = 2;       // keyframes that must see a point two keyframes after it was made
-  int triangulate_neighbors = 10;
-  double triangulate_ratio = 0.8;
-  int fuse_neighbors = 10;        // best covisible keyframes; each brings its best five
-  double redundant_ratio = 0.95;  // of a keyframe's close points seen elsewhere: the keyframe goes
-  int redundant_observations = 3;
-  int cull_keyframes = 20;  // best covisible keyframes that are examined
-  LocalBundleOptions bundle;
-};
-
-// The mapping thread's algorithm, in phases that each need the lock of the map for a short time. Knows no thread; one
+// The mapping thread's algorithm (local mapping of ORB-SLAM, Mur-Artal et al., T-RO 2015, section VI). Each step takes
+// the map for a short time only; what is searched and solved is searched and solved outside. Knows no thread; one
 // instance, one caller.
 class LocalMapper {
  public:
-  // `probabilities` must outlive the mapper.
-  LocalMapper(const MappingOptions& options, const MovingProbabilityOptions& probability_options,
-              MovingProbabilities& probabilities);
+  explicit LocalMapper(const MappingOptions& options) : options_(options) {}
 
-  // Adds the candidate as a keyframe with the points it tracked and new ones from its depth.
+  // Adds the candidate as a keyframe with the points it tracked and new ones from its depth. A candidate without a
+  // reference keyframe starts a world.
   KeyframeId Insert(Map& map, const KeyframeCandidate& candidate);
 
-  // Ends the trial of young points, triangulates new ones with neighboring keyframes, fuses duplicates.
-  void Refine(Map& map, KeyframeId keyframe);
+  // Ends the probation of recent points, creates new ones with neighboring keyframes, fuses duplicates.
+  void Refine(MapAccess& map, KeyframeId keyframe);
 
-  // Removes keyframes around this one whose points are well seen without them. Returns the removed ones.
-  std::vector<KeyframeId> CullKeyframes(Map& map, KeyframeId keyframe);
+  // Local bundle adjustment around a keyframe; false if there was nothing to adjust. `semantics`: labels are expected
+  // at all.
+  bool Adjust(MapAccess& map, KeyframeId keyframe, bool semantics, const std::function<bool()>& should_stop);
+
+  // Erases keyframes around this one whose points are well observed without them.
+  void CullKeyframes(MapAccess& map, KeyframeId keyframe);
 
  private:
-  void AddTrackedPoints(Map& map, Keyframe& keyframe, const KeyframeCandidate& candidate);
-  void AddDepthPoints(Map& map, Keyframe& keyframe, const KeyframeCandidate& candidate);
+  void ObserveTrackedPoints(Map& map, KeyframeId keyframe, const KeyframeCandidate& candidate);
+  void AddDepthPoints(Map& map, const Keyframe& keyframe, const KeyframeCandidate& candidate);
   void CullRecentPoints(Map& map, KeyframeId newest);
-  void Triangulate(Map& map, KeyframeId keyframe);
-  void Fuse(Map& map, KeyframeId keyframe);
+  void CreatePoints(MapAccess& map, KeyframeId keyframe);
+  void FusePoints(MapAccess& map, KeyframeId keyframe);
   [[nodiscard]] bool IsRedundant(const Map& map, const Keyframe& keyframe) const;
 
   MappingOptions options_;
-  MovingProbabilityOptions probability_options_;
-  MovingProbabilities& probabilities_;
-  std::vector<PointId> recent_points_;
+  std::vector<PointId> recent_points_;  // on probation
 };
 
 }  // namespace rds

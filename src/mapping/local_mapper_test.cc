@@ -1,17 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mapping/local_mapper.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <iterator>
 #include <memory>
 #include <vector>
 
 #include "testing/matchers.h"
+#include "testing/unlocked_map.h"
 #include "testing/view.h"
 
 namespace rds {
 namespace {
+
+using testing::IsEmpty;
 
 constexpr std::uint32_t kPoints = 30;
 
@@ -37,12 +42,14 @@ std::vector<Keypoint> Row(std::size_t count, double first_depth_m = 2, double st
 struct Scene {
   Map map{ScalePyramid()};
   MappingOptions options;
-  MovingProbabilityOptions probability_options;
-  MovingProbabilities probabilities;
   std::uint32_t frames = 0;
 
   Scene() { options.triangulate_neighbors = options.fuse_neighbors = 0; }
-  [[nodiscard]] LocalMapper Mapper() { return {options, probability_options, probabilities}; }
+  [[nodiscard]] LocalMapper Mapper() const { return LocalMapper(options); }
+  void Refine(LocalMapper& mapper, KeyframeId keyframe) {
+    UnlockedMap access(map);
+    mapper.Refine(access, keyframe);
+  }
   // A candidate that tracked no point, at the origin of the world.
   [[nodiscard]] KeyframeCandidate Candidate(std::vector<Keypoint> keypoints) {
     KeyframeCandidate candidate;
@@ -57,6 +64,7 @@ struct Scene {
   // makes no point.
   [[nodiscard]] KeyframeCandidate Tracked(std::uint32_t points = kPoints) {
     KeyframeCandidate candidate = Candidate(Row(kPoints, 0, 0));
+    candidate.reference = KeyframeId{0};
     for (std::uint32_t i = 0; i < points; ++i) {
       candidate.points[i] = PointId{i};
     }
@@ -133,9 +141,9 @@ TEST(LocalMapper, NewPointsStartFromWhatTheirTracksKnow) {
   candidate.probabilities[4] = 0.15;
   candidate.probabilities[5] = 0.85;
   const Keyframe& keyframe = scene.map.At(mapper.Insert(scene.map, candidate));
-  EXPECT_NEAR(scene.probabilities.Get(keyframe.points[4]), 0.15, 1e-6);
-  EXPECT_NEAR(scene.probabilities.Get(keyframe.points[5]), 0.85, 1e-6);
-  EXPECT_EQ(scene.probabilities.Get(keyframe.points[6]), kUnknownProbability);
+  EXPECT_NEAR(scene.map.probabilities().Get(keyframe.points[4]), 0.15, 1e-6);
+  EXPECT_NEAR(scene.map.probabilities().Get(keyframe.points[5]), 0.85, 1e-6);
+  EXPECT_EQ(scene.map.probabilities().Get(keyframe.points[6]), kUnknownProbability);
 }
 
 TEST(LocalMapper, TrackedPointsAreLinkedAndCountedThroughFusions) {
@@ -144,8 +152,8 @@ TEST(LocalMapper, TrackedPointsAreLinkedAndCountedThroughFusions) {
   const KeyframeId root = mapper.Insert(scene.map, scene.Candidate(Row(kPoints)));
   KeyframeCandidate candidate = scene.Tracked(20);
   candidate.uses = {{PointId{0}, 7, 3}, {PointId{25}, 4, 2}};
-  scene.map.RemoveObservation(PointId{25}, root);  // gone while the candidate waited
-  scene.map.Fuse(PointId{0}, PointId{29});         // now another point
+  scene.map.Forget(PointId{25}, root);      // gone while the candidate waited
+  scene.map.Fuse(PointId{0}, PointId{29});  // now another point
   const Keyframe& keyframe = scene.map.At(mapper.Insert(scene.map, candidate));
   EXPECT_EQ(keyframe.points[0], PointId{29});
   EXPECT_EQ(scene.map.At(PointId{29}).visible, 1 + 1 + 7);
@@ -154,42 +162,42 @@ TEST(LocalMapper, TrackedPointsAreLinkedAndCountedThroughFusions) {
   EXPECT_EQ(scene.map.At(PointId{1}).observations.size(), 2U);
 }
 
-TEST(LocalMapper, PointsOnTrialGoIfTheyAreRarelyFound) {
+TEST(LocalMapper, PointsOnProbationGoIfTheyAreRarelyFound) {
   Scene scene;
   LocalMapper mapper = scene.Mapper();
   mapper.Insert(scene.map, scene.Candidate(Row(kPoints)));
   KeyframeCandidate candidate = scene.Tracked();
   candidate.uses = {{PointId{0}, 9, 1}, {PointId{1}, 7, 1}};  // 2 of 10 and 2 of 8
   const KeyframeId id = mapper.Insert(scene.map, candidate);
-  mapper.Refine(scene.map, id);
+  scene.Refine(mapper, id);
   EXPECT_EQ(scene.map.Find(PointId{0}), nullptr);
   EXPECT_NE(scene.map.Find(PointId{1}), nullptr);
   EXPECT_EQ(scene.map.point_count(), kPoints - 1);
   EXPECT_EQ(scene.map.At(id).covisible.at(0).shared_points, static_cast<int>(kPoints) - 1);
 }
 
-TEST(LocalMapper, PointsOnTrialGoIfTooFewKeyframesSeeThem) {
+TEST(LocalMapper, PointsOnProbationGoIfTooFewKeyframesSeeThem) {
   Scene scene;
   LocalMapper mapper = scene.Mapper();
   mapper.Insert(scene.map, scene.Candidate(Row(kPoints)));
-  mapper.Refine(scene.map, mapper.Insert(scene.map, scene.Tracked(20)));
+  scene.Refine(mapper, mapper.Insert(scene.map, scene.Tracked(20)));
   EXPECT_EQ(scene.map.point_count(), kPoints);  // one keyframe later it is too early to tell
-  mapper.Refine(scene.map, mapper.Insert(scene.map, scene.Tracked(20)));
+  scene.Refine(mapper, mapper.Insert(scene.map, scene.Tracked(20)));
   EXPECT_EQ(scene.map.point_count(), 20U);
   EXPECT_NE(scene.map.Find(PointId{19}), nullptr);
   EXPECT_EQ(scene.map.Find(PointId{20}), nullptr);
 }
 
-TEST(LocalMapper, TheTrialEnds) {
+TEST(LocalMapper, TheProbationEnds) {
   Scene scene;
   LocalMapper mapper = scene.Mapper();
   mapper.Insert(scene.map, scene.Candidate(Row(kPoints)));
   for (int i = 0; i < scene.options.probation_keyframes; ++i) {
-    mapper.Refine(scene.map, mapper.Insert(scene.map, scene.Tracked()));
+    scene.Refine(mapper, mapper.Insert(scene.map, scene.Tracked()));
   }
   KeyframeCandidate candidate = scene.Tracked();
   candidate.uses = {{PointId{0}, 100, 0}};
-  mapper.Refine(scene.map, mapper.Insert(scene.map, candidate));
+  scene.Refine(mapper, mapper.Insert(scene.map, candidate));
   EXPECT_NE(scene.map.Find(PointId{0}), nullptr);
 }
 
@@ -202,12 +210,12 @@ std::vector<KeyframeId> CullAmongFive(std::uint8_t octave, std::uint32_t alone, 
       keypoint.octave = k == 1 ? octave : std::uint8_t{3};
     }
     const auto data = std::make_shared<const FrameData>(TestCamera(), std::move(keypoints), descriptors);
-    const KeyframeId id = map->AddKeyframe(FrameId{k}, k, {}, data).id;
+    const KeyframeId id = map->AddKeyframe(FrameId{k}, k, {}, data);
     for (std::uint32_t i = 0; i < kPoints; ++i) {
       if (k == 0) {
         map->AddPoint({0.01 * i, 0, 2}, id, i);
       } else {
-        EXPECT_TRUE(map->AddObservation(PointId{i}, id, i));
+        EXPECT_TRUE(map->Observe(PointId{i}, id, i));
       }
     }
     for (std::uint32_t i = kPoints; k == 1 && i < kPoints + alone; ++i) {
@@ -215,8 +223,13 @@ std::vector<KeyframeId> CullAmongFive(std::uint8_t octave, std::uint32_t alone, 
     }
     map->UpdateCovisibility(id);
   }
-  Scene scene;
-  return scene.Mapper().CullKeyframes(*map, map->newest());
+  const std::vector<KeyframeId> before = map->keyframes();
+  UnlockedMap access(*map);
+  Scene().Mapper().CullKeyframes(access, map->newest());
+  EXPECT_THAT(map->Validate(), IsEmpty());
+  std::vector<KeyframeId> removed;
+  std::ranges::set_difference(before, map->keyframes(), std::back_inserter(removed));
+  return removed;
 }
 
 TEST(LocalMapper, CullsRedundantKeyframesButNeverTheRootOrTheNewest) {

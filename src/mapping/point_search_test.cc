@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Triangulation and fusion, LocalMapper's part in point_search.cc.
+// Creation and fusion of points, as LocalMapper refines a keyframe.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -7,8 +8,8 @@
 
 #include "base/random.h"
 #include "mapping/local_mapper.h"
-#include "semantic/evidence.h"
 #include "testing/matchers.h"
+#include "testing/unlocked_map.h"
 #include "testing/view.h"
 
 namespace rds {
@@ -22,8 +23,6 @@ constexpr std::uint32_t kAll = kShared + kNew;
 struct Scene {
   Map map{ScalePyramid()};
   MappingOptions options;
-  MovingProbabilityOptions probability_options;
-  MovingProbabilities probabilities;
   std::vector<Eigen::Vector3d> points;
   std::vector<Descriptor> descriptors;
 
@@ -44,19 +43,23 @@ struct Scene {
   KeyframeId Add(const Rigid3& pose, std::vector<Keypoint> keypoints) {
     const auto count = static_cast<std::uint32_t>(map.keyframes().size());
     const auto data = std::make_shared<const FrameData>(TestCamera(), std::move(keypoints), descriptors);
-    const KeyframeId id = map.AddKeyframe(FrameId{count}, count, pose, data).id;
+    const KeyframeId id = map.AddKeyframe(FrameId{count}, count, pose, data);
     for (std::uint32_t i = 0; i < kShared; ++i) {
       if (count == 0) {
         map.AddPoint(points[i], id, i);
       } else {
-        EXPECT_TRUE(map.AddObservation(PointId{i}, id, i));
+        EXPECT_TRUE(map.Observe(PointId{i}, id, i));
       }
     }
     map.UpdateCovisibility(id);
     return id;
   }
   KeyframeId Add(const Rigid3& pose, bool depth) { return Add(pose, Keypoints(pose, depth)); }
-  void Refine(KeyframeId id) { LocalMapper(options, probability_options, probabilities).Refine(map, id); }
+  void Refine(KeyframeId id) {
+    UnlockedMap access(map);
+    LocalMapper(options).Refine(access, id);
+    EXPECT_THAT(map.Validate(), testing::IsEmpty());
+  }
   PointId Point(KeyframeId keyframe, std::uint32_t keypoint) { return map.At(keyframe).points[keypoint]; }
 };
 
@@ -122,11 +125,11 @@ TEST(Triangulate, LabelsKeepPeopleOutAndSpeakForTheRest) {
   const KeyframeId b = scene.Add(kRight, false);
   std::vector<KeypointLabel> labels(kAll, KeypointLabel::kStatic);
   labels[kShared] = KeypointLabel::kDynamic;
-  ApplyLabels(scene.map, a, labels, scene.probabilities, scene.probability_options);
+  scene.map.Label(a, labels);
   scene.Refine(b);
   EXPECT_EQ(scene.map.point_count(), kAll - 1);
   EXPECT_FALSE(scene.Point(b, kShared).valid());
-  EXPECT_NEAR(scene.probabilities.Get(scene.Point(b, kShared + 1)), 0.1, 1e-6);
+  EXPECT_NEAR(scene.map.probabilities().Get(scene.Point(b, kShared + 1)), 0.1, 1e-6);
 }
 
 // Two keyframes with depth; each has points of its own for what is not shared, slightly apart.
@@ -139,15 +142,15 @@ struct Duplicates : Scene {
     b = Add(kRight, true);
   }
   PointId Own(KeyframeId keyframe, std::uint32_t keypoint, double off_m = 0.001) {
-    return map.AddPoint(points[keypoint] + Eigen::Vector3d(off_m, 0, 0), keyframe, keypoint).id;
+    return map.AddPoint(points[keypoint] + Eigen::Vector3d(off_m, 0, 0), keyframe, keypoint);
   }
 };
 
 TEST(Fuse, MergesDuplicatesAndWhatTheyKnow) {
   Duplicates scene;
   for (std::uint32_t i = kShared; i < kAll; ++i) {
-    scene.probabilities.Set(scene.Own(scene.a, i), 0.3);
-    scene.probabilities.Set(scene.Own(scene.b, i), 0.2);
+    scene.map.SetMovingProbability(scene.Own(scene.a, i), 0.3);
+    scene.map.SetMovingProbability(scene.Own(scene.b, i), 0.2);
   }
   const PointId first = scene.Point(scene.a, kShared);
   const PointId second = scene.Point(scene.b, kShared);
@@ -156,7 +159,7 @@ TEST(Fuse, MergesDuplicatesAndWhatTheyKnow) {
   for (std::uint32_t i = kShared; i < kAll; ++i) {
     EXPECT_EQ(scene.Point(scene.a, i), scene.Point(scene.b, i));
     EXPECT_EQ(scene.map.At(scene.Point(scene.a, i)).observations.size(), 2U);
-    EXPECT_NEAR(scene.probabilities.Get(scene.Point(scene.a, i)), 0.06 / (0.06 + 0.56), 1e-6);
+    EXPECT_NEAR(scene.map.probabilities().Get(scene.Point(scene.a, i)), 0.06 / (0.06 + 0.56), 1e-6);
   }
   EXPECT_EQ(scene.map.Resolve(first), scene.map.Resolve(second));
   EXPECT_EQ(scene.map.At(scene.b).covisible.at(0).shared_points, static_cast<int>(kAll));
@@ -167,7 +170,7 @@ TEST(Fuse, ThePointThatMoreKeyframesSeeStays) {
   const KeyframeId c = scene.Add({Eigen::Quaterniond::Identity(), {-0.2, 0, 0}}, true);
   const PointId seen_once = scene.Own(scene.a, kShared);
   const PointId seen_twice = scene.Own(scene.b, kShared);
-  ASSERT_TRUE(scene.map.AddObservation(seen_twice, c, kShared));
+  ASSERT_TRUE(scene.map.Observe(seen_twice, c, kShared));
   scene.Refine(scene.b);
   EXPECT_EQ(scene.map.Find(seen_once), nullptr);
   EXPECT_EQ(scene.map.Resolve(seen_once), seen_twice);
@@ -179,11 +182,11 @@ TEST(Fuse, FreeKeypointsGetThePointsOfNeighbors) {
   const PointId theirs = scene.Own(scene.a, kShared);
   const PointId ours = scene.Own(scene.b, kShared + 1);
   std::vector<KeypointLabel> labels(kAll, KeypointLabel::kDynamic);
-  ApplyLabels(scene.map, scene.b, labels, scene.probabilities, scene.probability_options);
+  scene.map.Label(scene.b, labels);
   scene.Refine(scene.b);
   EXPECT_EQ(scene.Point(scene.b, kShared), theirs);
   EXPECT_EQ(scene.Point(scene.a, kShared + 1), ours);
-  EXPECT_NEAR(scene.probabilities.Get(theirs), 0.9, 1e-6);  // the new observation's label counts
+  EXPECT_NEAR(scene.map.probabilities().Get(theirs), 0.9, 1e-6);  // the new observation's label counts
 }
 
 TEST(Fuse, KeepsApartWhatDiffersInDepthOrAppearance) {
@@ -193,16 +196,14 @@ TEST(Fuse, KeepsApartWhatDiffersInDepthOrAppearance) {
   std::vector<Keypoint> keypoints = scene.Keypoints(kRight, true);
   const Eigen::Vector3d before = kRight.Inverse() * (0.8 * (kRight * scene.points[kShared]));  // in the same pixel
   keypoints[kShared] = See(kRight, before, true);
-  const KeyframeId b = scene.Add(kRight, keypoints);
-  const PointId behind = scene.map.AddPoint(scene.points[kShared], a, kShared).id;
-  const PointId front = scene.map.AddPoint(before, b, kShared).id;
-  const PointId one = scene.map.AddPoint(scene.points[kShared + 1], a, kShared + 1).id;
-  const PointId other = scene.map.AddPoint(scene.points[kShared + 1], b, kShared + 1).id;
-  for (const PointId id : {one, other}) {
-    for (std::uint64_t& word : scene.map.At(id).descriptor) {
-      word = ~word;
-    }
+  for (std::uint64_t& word : scene.descriptors[kShared + 1]) {
+    word = ~word;  // the other keyframe sees it otherwise
   }
+  const KeyframeId b = scene.Add(kRight, keypoints);
+  const PointId behind = scene.map.AddPoint(scene.points[kShared], a, kShared);
+  const PointId front = scene.map.AddPoint(before, b, kShared);
+  const PointId one = scene.map.AddPoint(scene.points[kShared + 1], a, kShared + 1);
+  const PointId other = scene.map.AddPoint(scene.points[kShared + 1], b, kShared + 1);
   scene.Refine(b);
   EXPECT_EQ(scene.Point(a, kShared), behind);
   EXPECT_EQ(scene.Point(b, kShared), front);

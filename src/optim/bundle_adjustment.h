@@ -9,6 +9,7 @@
 
 #include "geometry/camera.h"
 #include "geometry/rigid3.h"
+#include "optim/bundle_options.h"
 #include "optim/observation.h"
 
 namespace rds {
@@ -31,13 +32,6 @@ struct BundleProblem {
   std::vector<Pose> poses;
   std::vector<Eigen::Vector3d> points;  // in the world frame
   std::vector<Observation> observations;
-};
-
-struct BundleOptions {
-  int robust_iterations = 5;    // with the Huber kernel on everything
-  int final_iterations = 5;     // without the outliers found by then; 0 = skip
-  double huber_mono = 2.4477;   // sqrt(5.991), px
-  double huber_depth = 2.7955;  // sqrt(7.815), px
 };
 
 struct BundleResult {

@@ -8,7 +8,7 @@
 
 #include "base/error.h"
 #include "propagation/grid_warp.h"
-#include "semantic/evidence.h"
+#include "semantic/keypoint_labels.h"
 
 namespace rds {
 namespace {
@@ -133,26 +133,26 @@ std::vector<KeypointLabel> CheckFreeSpace(const FrameData& frame, const Rigid3& 
   return judged;
 }
 
-std::vector<DepthView> EarlierViews(const Map& map, KeyframeId id) {
+std::vector<PosedFrame> EarlierKeyframes(const Map& map, KeyframeId id) {
   const Keyframe& keyframe = map.At(id);
   std::vector<const Keyframe*> candidates;
-  for (auto other = map.keyframes().rbegin(); other != map.keyframes().rend(); ++other) {
+  const auto self = std::ranges::lower_bound(map.keyframes(), id);
+  for (auto other = std::reverse_iterator(self); other != map.keyframes().rend(); ++other) {
     const Keyframe& earlier = map.At(*other);
-    if (earlier.frame >= keyframe.frame) {
-      continue;
-    }
     if (keyframe.frame.value - earlier.frame.value > kFreeSpaceFrames) {
       break;
     }
-    candidates.push_back(&earlier);
+    if (earlier.world == keyframe.world) {
+      candidates.push_back(&earlier);
+    }
   }
-  std::vector<DepthView> views;
+  std::vector<PosedFrame> spread;
   const auto count = std::min(candidates.size(), kFreeSpaceViews);
   for (std::size_t i = 1; i <= count; ++i) {
     const Keyframe& chosen = *candidates[i * candidates.size() / count - 1];
-    views.push_back(MakeView(chosen.frame, chosen.data, chosen.camera_from_world, {}));
+    spread.push_back({chosen.frame, chosen.data, chosen.camera_from_world});
   }
-  return views;
+  return spread;
 }
 
 void MarkNewlyOccupied(const FrameData& data, std::span<const KeypointLabel> judged,

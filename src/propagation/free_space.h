@@ -20,6 +20,13 @@ struct FreeSpaceOptions {
 inline constexpr std::size_t kFreeSpaceViews = 3;      // earlier views that are asked
 inline constexpr std::uint32_t kFreeSpaceFrames = 60;  // how much earlier they may be
 
+// A frame whose pose is known.
+struct PosedFrame {
+  FrameId frame;
+  std::shared_ptr<const FrameData> data;
+  Rigid3 camera_from_world;
+};
+
 // A frame whose pose is known, and what its mask says of each sample of its depth grid (empty: nothing).
 struct DepthView {
   FrameId frame;
@@ -48,8 +55,8 @@ struct DepthView {
                                                         std::span<const DepthView> views,
                                                         const FreeSpaceOptions& options);
 
-// Earlier keyframes to judge one by, spread over the time allowed; without labels. Needs the lock of the map.
-[[nodiscard]] std::vector<DepthView> EarlierViews(const Map& map, KeyframeId keyframe);
+// Earlier keyframes of its world to judge one by, spread over the time allowed.
+[[nodiscard]] std::vector<PosedFrame> EarlierKeyframes(const Map& map, KeyframeId keyframe);
 
 // Makes the labels of keypoints dynamic where the sample is.
 void MarkNewlyOccupied(const FrameData& data, std::span<const KeypointLabel> judged,

@@ -95,14 +95,14 @@ TEST(LabelGrid, TakesTheMiddleOfEachSample) {
   EXPECT_EQ(std::ssize(labels), kBoardColumns * kBoardRows);
 }
 
-TEST(EarlierViews, AreSpreadOverTheTimeAllowedTheOldestAmongThem) {
+TEST(EarlierKeyframes, AreSpreadOverTheTimeAllowedTheOldestAmongThem) {
   Map map{ScalePyramid()};
   for (const std::uint32_t frame : {0U, 10U, 20U, 30U, 40U, 50U, 60U, 70U}) {
     map.AddKeyframe(FrameId{frame}, frame, {}, SeeBoard({}));
   }
   const auto frames = [&](KeyframeId of) {
     std::vector<std::uint32_t> result;
-    for (const DepthView& view : EarlierViews(map, of)) {
+    for (const PosedFrame& view : EarlierKeyframes(map, of)) {
       result.push_back(view.frame.value);
     }
     return result;

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "map/map.h"
-#include "map/moving_probability.h"
 #include "optim/pose_optimizer.h"
 
 namespace rds {
@@ -15,29 +14,31 @@ struct SemanticOptimizerOptions {
   bool enabled = true;
   int most_keyframes = 30;         // a labeled one and those after it, whose poses hang on its own
   int min_static = 50;             // static matches that a keyframe needs
-  double min_shift_m = 0.002;      // smaller corrections are not written: they are noise ...
+  double min_shift_m = 0.002;      // smaller corrections are not applied: they are noise ...
   double min_rotation_deg = 0.05;  // ... unless the rotation is larger than this
 };
 
 // One keyframe's matches to static points that older keyframes made, copied out of the map.
 struct SemanticPoseProblem {
-  KeyframeId keyframe;
-  std::uint32_t revision = 0;  // Keyframe::pose_revision when copied
+  KeyframeVersion keyframe;
   PinholeCamera camera;
   Rigid3 camera_from_world;
   std::vector<PoseObservation> observations;  // weighted by 1 - p, equation 6
 };
 
-// Nothing if the keyframe is gone, the root, or has too few such matches. Needs the lock of the map. Keyframes are to
-// be corrected in their order: then older ones stand where they belong, and so do their points.
-[[nodiscard]] std::optional<SemanticPoseProblem> CopyStaticMatches(const Map& map, KeyframeId keyframe,
-                                                                   const MovingProbabilities& probabilities,
-                                                                   const MovingProbabilityOptions& probability_options,
-                                                                   const SemanticOptimizerOptions& options);
+// Nothing if the keyframe is gone, a root, or has too few such matches. Keyframes are to be corrected in their order:
+// then older ones stand where they belong, and so do their points.
+[[nodiscard]] std::optional<SemanticPoseProblem> PlanSemanticPose(const Map& map, KeyframeId keyframe,
+                                                                  const SemanticOptimizerOptions& options);
 
-// Writes the pose back if nobody changed it since, and moves along the points that this keyframe made.
-// Returns whether anything was written. Needs the lock of the map.
-bool ApplySemanticPose(Map& map, const SemanticPoseProblem& problem, const PoseResult& result,
-                       const SemanticOptimizerOptions& options);
+// The correction to an optimized pose, which the points that the keyframe made follow. Nothing where too few matches
+// agree with it, or where it is no more than noise.
+[[nodiscard]] std::optional<Correction> SemanticCorrection(const SemanticPoseProblem& problem, const PoseResult& result,
+                                                           const SemanticOptimizerOptions& options);
+
+// Optimizes the pose over the static matches: SemanticCorrection of that.
+[[nodiscard]] std::optional<Correction> SolveSemanticPose(const SemanticPoseProblem& problem,
+                                                          const PoseOptimizerOptions& pose_options,
+                                                          const SemanticOptimizerOptions& options);
 
 }  // namespace rds

@@ -36,7 +36,6 @@ void BindTracking(TrackerOptions& options, OptionTable& table) {
             "inliers that the frame needs which recovers tracking");
   table.Int("tracking.recovery_keyframes", options.recovery_keyframes, 1, 1000,
             "nearest keyframes that are tried when tracking is lost");
-  table.Real("tracking.close_baselines", options.close_baselines, 1, 1000, "depth in baselines that counts as close");
   table.Real("tracking.acceleration_m_s2", options.motion.acceleration_m_s2, 0, 1000,
              "standard deviation of the camera's linear acceleration in the motion prior; 0 switches the prior off");
   table.Real("tracking.angular_acceleration_rad_s2", options.motion.angular_acceleration_rad_s2, 0.1, 1000,
@@ -102,8 +101,8 @@ void BindPolicy(KeyframePolicyOptions& options, OptionTable& table) {
 }
 
 void BindMapping(MappingOptions& options, LocalMapOptions& local_map, OptionTable& table) {
-  table.Real("mapping.close_baselines", options.close_baselines, 1, 1000,
-             "points are made from depth below so many baselines");
+  table.Real("mapping.depth_threshold", options.depth_threshold, 1, 1000,
+             "depth below this is close: points are made from it, and tracking asks for keyframes; in baselines");
   table.Int("mapping.min_depth_points", options.min_depth_points, 0, 10000,
             "number of nearest keypoints with depth from which points are made at any depth");
   table.Int("mapping.probation_keyframes", options.probation_keyframes, 1, 100,

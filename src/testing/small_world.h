@@ -2,6 +2,9 @@
 // End to end runs on a small synthetic world, for tests.
 #pragma once
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include <chrono>
 #include <cmath>
 #include <memory>
@@ -67,13 +70,20 @@ inline Options SmallOptions(bool lockstep) {
   return options;
 }
 
+// Ends a run and looks whether its map is one.
+inline SlamResult FinishValid(Slam& slam) {
+  SlamResult result = slam.Finish();
+  EXPECT_THAT(slam.ValidateMap(), testing::IsEmpty());
+  return result;
+}
+
 inline SlamResult RunAll(const std::vector<SyntheticFrame>& frames, const Options& options,
                          std::unique_ptr<Segmenter> segmenter) {
   Slam slam(MakeSyntheticCamera(320, 240), options, std::move(segmenter));
   for (const SyntheticFrame& frame : frames) {
     static_cast<void>(slam.Process(frame.rgbd));
   }
-  return slam.Finish();
+  return FinishValid(slam);
 }
 
 inline double AteRmse(const SlamResult& result, const std::vector<SyntheticFrame>& frames) {

@@ -38,10 +38,10 @@ Association SelectMatches(std::span<const PointMatch> matches, const LocalMap& m
   std::vector<PointMatch> unknown;
   for (PointMatch match : matches) {
     double p = probabilities.Get(map.ids[match.point]);
-    if (keypoint_probability && StateOf(p, options.probability) == PointState::kUnknown) {
+    if (keypoint_probability && StateOf(p, probabilities.options()) == PointState::kUnknown) {
       p = keypoint_probability(match.keypoint);
     }
-    match.state = StateOf(p, options.probability);
+    match.state = StateOf(p, probabilities.options());
     match.weight = (1.0 - p) * Proven(map, match.point, options);
     switch (match.state) {
       case PointState::kStatic:

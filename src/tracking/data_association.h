@@ -26,7 +26,6 @@ struct AssociationOptions {
   int min_static_inliers = 60;  // kDeferred: below so many static inliers unknown ones are let in
   int min_static_matches = 10;  // kDeferred: so many static matches give a pose of their own
   int min_observations = 4;     // with semantics, a point that fewer keyframes see has proportionally less weight
-  MovingProbabilityOptions probability;
 };
 
 // A keypoint of the current frame and the point of the local map that it shows.

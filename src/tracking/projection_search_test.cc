@@ -42,7 +42,7 @@ struct Scene {
     last = std::make_shared<const FrameData>(TestCamera(), std::move(first), descriptors);
     std::ranges::reverse(keypoints);
     Map built(pyramid);
-    const KeyframeId id = built.AddKeyframe(FrameId{0}, 0, {}, last).id;
+    const KeyframeId id = built.AddKeyframe(FrameId{0}, 0, {}, last);
     for (std::uint32_t i = 0; i < kPoints; ++i) {
       built.AddPoint(points[i], id, i);
     }

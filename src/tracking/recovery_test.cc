@@ -42,7 +42,7 @@ struct Scene {
     }
     Map built(pyramid);
     const auto data = std::make_shared<const FrameData>(TestCamera(), std::move(first), std::move(looks));
-    const KeyframeId id = built.AddKeyframe(FrameId{0}, 0, {}, data).id;
+    const KeyframeId id = built.AddKeyframe(FrameId{0}, 0, {}, data);
     for (std::uint32_t i = 0; i < kPoints; ++i) {
       built.AddPoint(points[i], id, 2 * i);
     }

@@ -12,13 +12,10 @@
 #include "tracking/recovery.h"
 
 namespace rds {
-Tracker::Tracker(const TrackerOptions& options, const PoseOptimizerOptions& pose, const ScalePyramid& pyramid,
-                 const MovingProbabilities& probabilities)
-    : options_(options),
-      pose_options_(pose),
-      pyramid_(pyramid),
-      probabilities_(probabilities),
-      motion_(options.motion) {}
+Tracker::Tracker(const TrackerOptions& options, TrackerSetup setup, const MovingProbabilities& probabilities)
+    : options_(options), setup_(std::move(setup)), probabilities_(probabilities), motion_(options.motion) {
+  options_.association.use_semantics &= setup_.semantics;
+}
 
 TrackOutcome Tracker::Track(FrameId frame, double timestamp_s, std::shared_ptr<const FrameData> data,
                             std::shared_ptr<const LocalMap> map, const WorkerStatus& status,
@@ -57,7 +54,7 @@ void Tracker::LookUp(std::shared_ptr<const PropagatedLabels> labels) {
     static_samples_ = StaticSamples(*labels, *current_.data, now_from_labels, kRegistrationStep);
   }
   keypoint_probability_ = [probabilities = KeypointProbabilities(std::move(labels), current_.data, now_from_labels,
-                                                                 options_.surface)](std::uint32_t keypoint) {
+                                                                 setup_.surface)](std::uint32_t keypoint) {
     return probabilities[keypoint];
   };
 }
@@ -126,7 +123,9 @@ TrackOutcome Tracker::Start(TrackOutcome outcome) {
 // The last frame as the new snapshot has it: the reference keyframe may have been corrected since, points fused.
 void Tracker::Rebase() {
   if (!last_.reference.valid()) {
-    last_.reference = map_->keyframes.front().id;  // the first frame is the first keyframe
+    const LocalKeyframe* const self = map_->FindByFrame(last_.id);
+    Check(self != nullptr, "the frame that started the map is a keyframe of it");
+    last_.reference = self->id;
     last_.camera_from_reference = Rigid3{};
   }
   if (const LocalKeyframe* reference = map_->Find(last_.reference)) {
@@ -159,7 +158,7 @@ void Tracker::Predict(TrackOutcome* outcome) {
 
 PoseObservation Tracker::Observe(const PointMatch& match) const {
   const Keypoint& keypoint = current_.data->keypoints()[match.keypoint];
-  return {map_->Position(match.point), ObservationOf(keypoint, pyramid_, match.weight)};
+  return {map_->Position(match.point), ObservationOf(keypoint, setup_.pyramid, match.weight)};
 }
 
 int Tracker::OptimizeFrom(std::span<const PointMatch> matches, TrackOutcome* outcome) {
@@ -176,8 +175,8 @@ void Tracker::OptimizeUsed() {
   for (const PointMatch& match : association_.used) {
     observations.push_back(Observe(match));
   }
-  const PoseResult result = OptimizePose(current_.data->camera(), current_.camera_from_world, observations,
-                                         pose_options_, prior_ ? &*prior_ : nullptr);
+  const PoseResult result = OptimizePose(current_.data->camera(), current_.camera_from_world, observations, setup_.pose,
+                                         prior_ ? &*prior_ : nullptr);
   current_.camera_from_world = result.camera_from_world;
   std::vector<PointMatch> inliers;
   inliers.reserve(association_.used.size());
@@ -196,8 +195,8 @@ void Tracker::OptimizeUsed() {
 bool Tracker::TrackLastFrame(TrackOutcome* outcome) {
   Stopwatch watch;
   const auto search = [&](double window_px) {
-    return SearchLastFrame(*last_.data, last_.observations, *current_.data, current_.camera_from_world, *map_, pyramid_,
-                           window_px);
+    return SearchLastFrame(*last_.data, last_.observations, *current_.data, current_.camera_from_world, *map_,
+                           setup_.pyramid, window_px);
   };
   const double most_px = options_.motion_window_px;
   std::vector<PointMatch> matches =
@@ -235,7 +234,7 @@ bool Tracker::Recover(TrackOutcome* outcome) {
     if (std::ssize(selected.used) < options_.min_reference_matches) {
       continue;
     }
-    const auto pose = RansacPose(*current_.data, selected.used, *map_, pyramid_, options_.min_motion_inliers);
+    const auto pose = RansacPose(*current_.data, selected.used, *map_, setup_.pyramid, options_.min_motion_inliers);
     current_.camera_from_world = pose ? *pose : keyframe->camera_from_world;
     if (OptimizeFrom(matches, outcome) >= options_.min_motion_inliers) {
       outcome->matching_ms += watch.Milliseconds();
@@ -266,7 +265,7 @@ bool Tracker::TrackLocalMap(double window_px, TrackOutcome* outcome) {
     taken[match.point] = 1;
     occupied[match.keypoint] = 1;
   }
-  const LocalSearch search = SearchLocalMap(*current_.data, current_.camera_from_world, *map_, pyramid_, taken,
+  const LocalSearch search = SearchLocalMap(*current_.data, current_.camera_from_world, *map_, setup_.pyramid, taken,
                                             occupied, window_px, options_.local_ratio);
   matches.insert(matches.end(), search.matches.begin(), search.matches.end());
   outliers_.clear();
@@ -358,11 +357,11 @@ KeyframeSituation Tracker::Situation(const WorkerStatus& status) const {
   Check(reference != nullptr, "the reference keyframe is in the snapshot");
   const AssociationOptions& association = options_.association;
   for (const LocalKeyframe::Link& link : reference->links) {
-    const bool dynamic = association.use_semantics && StateOf(probabilities_.Get(map_->ids[link.point]),
-                                                              association.probability) == PointState::kDynamic;
+    const bool dynamic =
+        association.use_semantics && probabilities_.State(map_->ids[link.point]) == PointState::kDynamic;
     situation.reference_tracked_points += map_->confirmed[link.point] != 0 && !dynamic ? 1 : 0;
   }
-  const double close_m = options_.close_baselines * current_.data->camera().baseline_m;
+  const double close_m = setup_.depth_threshold * current_.data->camera().baseline_m;
   std::vector<std::uint8_t> rejected(current_.data->size(), 0);
   for (const PointMatch& match : association_.dynamic) {
     rejected[match.keypoint] = 1;

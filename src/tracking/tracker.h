@@ -35,12 +35,19 @@ struct TrackerOptions {
   int min_inliers = 30;           // of a tracked frame; static ones alone need only tau
   int min_recovery_inliers = 50;  // when recovery; static ones alone need only min_inliers
   int recovery_keyframes = 10;    // nearest keyframes that are tried
-  double close_baselines = 40;    // depth below so many baselines is close
   AssociationOptions association;
-  SurfaceLabelOptions surface;  // of the labels that Track is given
   MotionOptions motion;
   DepthRegistrationOptions registration;
   KeyframePolicyOptions policy;
+};
+
+// What tracking takes over from other modules.
+struct TrackerSetup {
+  PoseOptimizerOptions pose;
+  SurfaceLabelOptions surface;  // of the labels that Track is given
+  double depth_threshold = 40;  // in baselines, as in MappingOptions: depth below it is close
+  bool semantics = true;        // labels are expected at all
+  ScalePyramid pyramid;
 };
 
 // What tracking must know of the other threads, read once a frame.
@@ -68,8 +75,7 @@ struct TrackOutcome {
 class Tracker {
  public:
   // The table must outlive the tracker.
-  Tracker(const TrackerOptions& options, const PoseOptimizerOptions& pose, const ScalePyramid& pyramid,
-          const MovingProbabilities& probabilities);
+  Tracker(const TrackerOptions& options, TrackerSetup setup, const MovingProbabilities& probabilities);
 
   // Tracks one frame. `map` is null before the first keyframe is in the map; `labels` are of an earlier frame, the
   // newest there is, or null.
@@ -125,8 +131,7 @@ class Tracker {
   [[nodiscard]] KeyframeSituation Situation(const WorkerStatus& status) const;
 
   TrackerOptions options_;
-  PoseOptimizerOptions pose_options_;
-  ScalePyramid pyramid_;
+  TrackerSetup setup_;
   const MovingProbabilities& probabilities_;
   std::function<double(std::uint32_t)> keypoint_probability_;  // of the current frame; none without labels
   std::vector<std::uint8_t> static_samples_;  // of its depth grid, those to be aligned; empty without labels

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "system/frame_report.h"
+#include "system/reports.h"
 
 #include <string>
 #include <vector>
@@ -21,6 +21,10 @@ std::vector<FeatureView> ViewFeatures(const FrameData& data, const TrackOutcome&
     views[match.keypoint].state = FeatureState::kRejected;
   }
   return views;
+}
+
+LockSummary::Series Summary(const TimeHistogram& times) {
+  return {times.QuantileMs(0.5), times.QuantileMs(0.95), times.max_ms()};
 }
 
 }  // namespace
@@ -46,7 +50,7 @@ void CheckFrame(const RgbdFrame& frame, const PinholeCamera& camera, std::option
   }
 }
 
-void FillFrameResult(const TrackOutcome& outcome, const FrameData& data, const Pipeline& pipeline, bool features,
+void FillFrameResult(const TrackOutcome& outcome, const FrameData& data, const Lanes& lanes, bool features,
                      FrameResult* result) {
   if (outcome.tracked) {
     result->world_from_camera = outcome.camera_from_world.Inverse();
@@ -55,10 +59,10 @@ void FillFrameResult(const TrackOutcome& outcome, const FrameData& data, const P
     ++(match.state == PointState::kStatic ? result->static_matches : result->unknown_matches);
   }
   result->rejected_matches = static_cast<int>(outcome.rejected.size());
-  if (const std::int64_t labeled = pipeline.newest_labeled(); labeled >= 0) {
+  if (const std::int64_t labeled = lanes.semantics.newest_labeled(); labeled >= 0) {
     result->semantic_delay_frames = static_cast<int>(static_cast<std::int64_t>(result->frame.value) - labeled);
   }
-  if (const auto map = pipeline.CurrentLocalMap()) {
+  if (const auto map = lanes.backend.CurrentLocalMap()) {
     result->keyframes_in_map = map->keyframes_in_map;
     result->points_in_map = map->points_in_map;
   }
@@ -67,6 +71,36 @@ void FillFrameResult(const TrackOutcome& outcome, const FrameData& data, const P
   result->timing.local_map_ms = outcome.local_map_ms;
   if (features) {
     result->features = ViewFeatures(data, outcome);
+  }
+}
+
+void FillSlamResult(const Lanes& lanes, SlamResult* result) {
+  lanes.backend.Read([&](const Map& map) {
+    for (const KeyframeId id : map.keyframes()) {
+      const Keyframe& keyframe = map.At(id);
+      result->keyframes.push_back({keyframe.timestamp_s, keyframe.camera_from_world.Inverse()});
+    }
+  });
+  result->local_ba_ms = lanes.mapping.local_ba_ms();
+  result->labels = lanes.semantics.events();
+  result->segmentation_failures = lanes.semantics.failures();
+  result->keyframes_left_unlabeled = lanes.waiting.Read(
+      [](const Waiting& waiting) { return waiting.dropped + static_cast<int>(waiting.backlog.size()); });
+  const LockTimes times = lanes.backend.lock_times();
+  result->map_lock_ms = {Summary(times.held), Summary(times.waited), times.waited_by_tracking.max_ms()};
+  result->map = lanes.backend.MakeView();
+  for (const float p : result->map.moving_probability) {
+    switch (StateOf(static_cast<double>(p), lanes.backend.probabilities().options())) {
+      case PointState::kStatic:
+        ++result->static_points;
+        break;
+      case PointState::kUnknown:
+        ++result->unknown_points;
+        break;
+      case PointState::kDynamic:
+        ++result->dynamic_points;
+        break;
+    }
   }
 }
 

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+// The way of a mask's labels to the keyframe that they speak of.
+#pragma once
+
+#include <vector>
+
+#include "map/map_access.h"
+#include "propagation/free_space.h"
+
+namespace rds {
+
+// Labels the keyframe made from a frame: by its mask, and dynamic where the free space that earlier keyframes saw is
+// occupied now. Kept in the map if the keyframe is still to come, dropped if it is gone.
+void LabelKeyframe(MapAccess& map, FrameId frame, std::vector<KeypointLabel> labels, const FreeSpaceOptions& options);
+
+}  // namespace rds

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "system/front_end.h"
+
+#include <utility>
+
+namespace rds {
+
+FrontEnd::FrontEnd(const Options& options, const ScalePyramid& pyramid, Lanes& lanes, Executor& executor)
+    : options_(options), pyramid_(pyramid), lanes_(lanes), executor_(executor), tracker_(MakeTracker()) {}
+
+std::unique_ptr<Tracker> FrontEnd::MakeTracker() const {
+  TrackerSetup setup;
+  setup.pose = options_.pose;
+  setup.surface = options_.propagation.surface;
+  setup.depth_threshold = options_.mapping.depth_threshold;
+  setup.semantics = lanes_.semantics.HasSegmenter();
+  setup.pyramid = pyramid_;
+  return std::make_unique<Tracker>(options_.tracking, setup, lanes_.backend.probabilities());
+}
+
+TrackOutcome FrontEnd::Track(const IncomingFrame& frame, std::shared_ptr<const LocalMap> map,
+                             std::shared_ptr<const PropagatedLabels> labels) {
+  TrackOutcome outcome =
+      tracker_->Track(frame.id, frame.timestamp_s, frame.data, std::move(map), executor_.Status(), std::move(labels));
+  trajectory_.Add(frame.timestamp_s, outcome);
+  return outcome;
+}
+
+void FrontEnd::Map(KeyframeCandidate& candidate) {
+  const bool starts_world = !candidate.reference.valid();
+  const KeyframeId id = lanes_.mapping.Map(candidate, [] { return false; });
+  if (starts_world) {
+    trajectory_.HangLastOn(id);
+  }
+}
+
+void FrontEnd::Label(const IncomingFrame& frame) {
+  tracker_->KeyframeTaken();
+  if (lanes_.semantics.HasSegmenter()) {
+    executor_.Label({frame.id, frame.timestamp_s, frame.image, frame.data, false});
+  }
+}
+
+bool FrontEnd::OfferKeyframe(const IncomingFrame& frame) {
+  KeyframeCandidate candidate = tracker_->MakeCandidate();
+  if (!candidate.reference.valid()) {  // it is the map: the next frame must find it there
+    Map(candidate);
+  } else if (!executor_.Map(candidate)) {
+    return false;
+  }
+  Label(frame);
+  return true;
+}
+
+void FrontEnd::MapKeyframeNow(const IncomingFrame& frame) {
+  KeyframeCandidate candidate = tracker_->MakeCandidate();
+  Map(candidate);
+  Label(frame);
+}
+
+void FrontEnd::Propagate(const IncomingFrame& frame, const TrackOutcome& outcome) {
+  if (outcome.tracked) {
+    executor_.Propagate({frame.id, frame.data, outcome.camera_from_world, lanes_.semantics.LabeledViews()});
+  }
+}
+
+void FrontEnd::StartAgain() {
+  tracker_ = MakeTracker();
+  trajectory_.Clear();
+  executor_.RestartPropagation();
+}
+
+}  // namespace rds

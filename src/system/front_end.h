@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// Tracking, and what it hands on: the lane of the caller's thread.
+#pragma once
+
+#include <memory>
+
+#include "system/executor.h"
+#include "system/trajectory_recorder.h"
+#include "tracking/tracker.h"
+
+namespace rds {
+
+// A frame on its way.
+struct IncomingFrame {
+  FrameId id;
+  double timestamp_s = 0;
+  std::shared_ptr<const FrameData> data;
+  std::shared_ptr<const Image8> image;
+};
+
+// Tracks frames, records their poses and offers keyframes. One caller.
+class FrontEnd {
+ public:
+  // All must outlive the front end.
+  FrontEnd(const Options& options, const ScalePyramid& pyramid, Lanes& lanes, Executor& executor);
+
+  // `labels` are propagated ones of an earlier frame, or null.
+  TrackOutcome Track(const IncomingFrame& frame, std::shared_ptr<const LocalMap> map,
+                     std::shared_ptr<const PropagatedLabels> labels);
+  // Offers the frame just tracked as a keyframe. False: there is no capacity for it now.
+  bool OfferKeyframe(const IncomingFrame& frame);
+  // Maps the frame just tracked before it returns: on this thread, which is safe only while no keyframe waits for
+  // mapping or is being mapped, so that the mapping lane has one caller at a time. Such is the start: keyframes are not
+  // offered until the first one is mapped, nor while the first frames wait for a label.
+  void MapKeyframeNow(const IncomingFrame& frame);
+  // Hands a tracked frame to the propagation of labels.
+  void Propagate(const IncomingFrame& frame, const TrackOutcome& outcome);
+  // Forgets all poses and propagated labels: the first frame is to come again. The map stays.
+  void StartAgain();
+  // The pose of the last frame is that of a keyframe.
+  void HangLastOn(KeyframeId keyframe) { trajectory_.HangLastOn(keyframe); }
+
+  [[nodiscard]] const TrajectoryRecorder& trajectory() const { return trajectory_; }
+  [[nodiscard]] std::shared_ptr<const LocalMap> CurrentLocalMap() const { return lanes_.backend.CurrentLocalMap(); }
+
+ private:
+  [[nodiscard]] std::unique_ptr<Tracker> MakeTracker() const;
+  void Map(KeyframeCandidate& candidate);
+  void Label(const IncomingFrame& frame);
+
+  Options options_;
+  ScalePyramid pyramid_;
+  Lanes& lanes_;
+  Executor& executor_;
+  std::unique_ptr<Tracker> tracker_;
+  TrajectoryRecorder trajectory_;
+};
+
+}  // namespace rds

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "system/lockstep_executor.h"
+
+#include <algorithm>
+#include <exception>
+#include <utility>
+
+namespace rds {
+
+LockstepExecutor::LockstepExecutor(const Options& options, std::shared_ptr<Lanes> lanes)
+    : options_(options), lanes_(std::move(lanes)) {
+  RestartPropagation();
+}
+
+void LockstepExecutor::RestartPropagation() {
+  if (WantsPropagation(options_, *lanes_)) {
+    propagation_.emplace(options_.propagation, options_.semantic.free_space);
+  }
+}
+
+void LockstepExecutor::BeginFrame(FrameId frame) {
+  if (round_ && round_->due_frame <= frame.value) {
+    Deliver();
+  }
+  SegmentNext(frame);
+}
+
+void LockstepExecutor::Deliver() {
+  lanes_->semantics.Apply(round_->labels);
+  round_.reset();
+}
+
+void LockstepExecutor::SegmentNext(FrameId frame) {
+  if (round_ || !lanes_->semantics.HasSegmenter()) {
+    return;
+  }
+  auto selected = lanes_->waiting.Write([&](Waiting& waiting) {
+    return waiting.backlog.Select(options_.semantic.selection, static_cast<std::size_t>(options_.semantic.per_round));
+  });
+  if (!selected.empty()) {
+    const std::uint32_t asked = std::max(selected.back().frame.value + 1, frame.value);
+    round_ = Round{asked + static_cast<std::uint32_t>(options_.semantic.lockstep_delay_frames),
+                   lanes_->semantics.Segment(std::move(selected))};
+  }
+}
+
+WorkerStatus LockstepExecutor::Status() const {
+  WorkerStatus status;
+  status.mapping_idle = true;
+  status.segmenter_idle = lanes_->semantics.HasSegmenter() && !round_ &&
+                          lanes_->waiting.Read([](const Waiting& waiting) { return waiting.backlog.empty(); });
+  return status;
+}
+
+bool LockstepExecutor::Map(KeyframeCandidate& candidate) {
+  lanes_->mapping.Map(candidate, [] { return false; });
+  return true;
+}
+
+void LockstepExecutor::Label(BacklogItem item) {
+  lanes_->waiting.Write([&](Waiting& waiting) { waiting.dropped += waiting.backlog.Push(std::move(item)); });
+}
+
+void LockstepExecutor::Propagate(TrackedFrame frame) {
+  if (propagation_) {
+    propagation_->Propagate(frame);
+  }
+}
+
+std::shared_ptr<const PropagatedLabels> LockstepExecutor::NewestLabels(FrameId frame) const {
+  return propagation_ ? propagation_->Newest(frame) : nullptr;
+}
+
+void LockstepExecutor::Finish() {
+  try {
+    while (!lanes_->failure.Happened() && lanes_->semantics.HasSegmenter()) {
+      if (round_) {
+        Deliver();
+      }
+      SegmentNext(FrameId{0});
+      if (!round_) {
+        return;
+      }
+    }
+  } catch (...) {
+    lanes_->failure.Set(std::current_exception());
+  }
+}
+
+}  // namespace rds

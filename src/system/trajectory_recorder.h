@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// The poses of all tracked frames, as they hang on their keyframes.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "geometry/trajectory.h"
+#include "map/map.h"
+#include "tracking/tracker.h"
+
+namespace rds {
+
+// Remembers each pose relative to its reference keyframe, so that whatever corrects the keyframe later corrects the
+// frame. A value; one caller.
+class TrajectoryRecorder {
+ public:
+  void Add(double timestamp_s, const TrackOutcome& outcome);
+  // The keyframe that the frame just added became, of a frame that started a world: its pose hangs on itself.
+  void HangLastOn(KeyframeId keyframe) { entries_.back().reference = keyframe; }
+  void Clear() { *this = {}; }
+
+  [[nodiscard]] bool empty() const { return entries_.empty(); }
+  // Frames since the first tracked one that have no pose.
+  [[nodiscard]] int lost() const { return lost_; }
+  // World poses as the map has them now; ascending in time.
+  [[nodiscard]] Trajectory Resolve(const Map& map) const;
+
+ private:
+  struct Entry {
+    double timestamp_s = 0;
+    KeyframeId reference;
+    Rigid3 camera_from_reference;
+  };
+
+  std::vector<Entry> entries_;
+  int lost_ = 0;
+};
+
+}  // namespace rds
