@@ -16,6 +16,7 @@
 
 #include "runtime/bounded_queue.h"
 #include "runtime/guarded.h"
+#include "runtime/lock_times.h"
 #include "runtime/monitor.h"
 #include "runtime/published.h"
 #include "runtime/worker.h"
@@ -177,6 +178,37 @@ TEST(Worker, WakesUpOnAnotherCoreThanItsCallersAndThenUsesAll) {
   EXPECT_EQ(later, all);
 }
 #endif
+
+TEST(TimeHistogram, KnowsItsQuantilesToATwentieth) {
+  TimeHistogram times;
+  EXPECT_EQ(times.QuantileMs(0.5), 0);
+  for (int i = 1; i <= 1000; ++i) {
+    times.Add(0.01 * i);
+  }
+  EXPECT_EQ(times.count(), 1000);
+  EXPECT_EQ(times.max_ms(), 10);
+  EXPECT_NEAR(times.QuantileMs(0.5), 5, 0.25);
+  EXPECT_NEAR(times.QuantileMs(0.95), 9.5, 0.48);
+  EXPECT_LE(times.QuantileMs(1), 10);
+  times.Add(0);
+  times.Add(1e9);
+  EXPECT_EQ(times.max_ms(), 1e9);
+}
+
+TEST(LockTimes, TellsTheWaitsOfTracking) {
+  LockTimes times;
+  times.Add(1, 2);
+  {
+    const TrackingScope scope;
+    times.Add(3, 4);
+    std::thread([&] { times.Add(5, 6); }).join();  // another thread does not track
+  }
+  times.Add(7, 8);
+  EXPECT_EQ(times.waited_by_tracking.count(), 1);
+  EXPECT_EQ(times.waited_by_tracking.max_ms(), 3);
+  EXPECT_EQ(times.waited.max_ms(), 7);
+  EXPECT_EQ(times.held.max_ms(), 8);
+}
 
 }  // namespace
 }  // namespace rds

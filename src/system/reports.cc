@@ -66,9 +66,9 @@ void FillFrameResult(const TrackOutcome& outcome, const FrameData& data, const L
     result->keyframes_in_map = map->keyframes_in_map;
     result->points_in_map = map->points_in_map;
   }
-  result->timing.matching_ms = outcome.matching_ms;
-  result->timing.pose_ms = outcome.pose_ms;
-  result->timing.local_map_ms = outcome.local_map_ms;
+  result->timing.matching_ms = outcome.times.matching_ms;
+  result->timing.pose_ms = outcome.times.pose_ms;
+  result->timing.local_map_ms = outcome.times.local_map_ms;
   if (features) {
     result->features = ViewFeatures(data, outcome);
   }

@@ -26,8 +26,7 @@ void ScaleToOne(std::vector<PointMatch>& matches) {
 }  // namespace
 
 Association SelectMatches(std::span<const PointMatch> matches, const LocalMap& map,
-                          const MovingProbabilities& probabilities,
-                          const std::function<double(std::uint32_t)>& keypoint_probability,
+                          const MovingProbabilities& probabilities, const KeypointProbabilities* propagated,
                           const AssociationOptions& options) {
   Association result;
   if (!options.use_semantics) {
@@ -38,8 +37,8 @@ Association SelectMatches(std::span<const PointMatch> matches, const LocalMap& m
   std::vector<PointMatch> unknown;
   for (PointMatch match : matches) {
     double p = probabilities.Get(map.ids[match.point]);
-    if (keypoint_probability && StateOf(p, probabilities.options()) == PointState::kUnknown) {
-      p = keypoint_probability(match.keypoint);
+    if (propagated != nullptr && StateOf(p, probabilities.options()) == PointState::kUnknown) {
+      p = (*propagated)[match.keypoint];
     }
     match.state = StateOf(p, probabilities.options());
     match.weight = (1.0 - p) * Proven(map, match.point, options);

@@ -3,30 +3,15 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <span>
 #include <vector>
 
 #include "map/local_map.h"
 #include "map/moving_probability.h"
+#include "propagation/label_propagation.h"
+#include "tracking/tracker_options.h"
 
 namespace rds {
-
-enum class UnknownPoints : std::uint8_t {
-  kPaper,     // used only while fewer than tau static ones are there
-  kAlways,    // always used, with the weight 1 - p that lets static ones lead
-  kDeferred,  // used where static ones are few, but only those that agree with their pose; all of them if static ones
-              // are too few for a pose
-};
-
-struct AssociationOptions {
-  bool use_semantics = true;  // false: every match is used, as if no point had a label
-  int tau = 20;               // static matches that are enough
-  UnknownPoints unknown = UnknownPoints::kDeferred;
-  int min_static_inliers = 60;  // kDeferred: below so many static inliers unknown ones are let in
-  int min_static_matches = 10;  // kDeferred: so many static matches give a pose of their own
-  int min_observations = 4;     // with semantics, a point that fewer keyframes see has proportionally less weight
-};
 
 // A keypoint of the current frame and the point of the local map that it shows.
 struct PointMatch {
@@ -46,10 +31,9 @@ struct Association {
 };
 
 // Classifies matches by the probabilities of this moment and selects the ones to use. A point of unknown state has the
-// probability of its keypoint (none: no labels). Re-entrant.
+// probability of its keypoint (null: no labels). Re-entrant.
 [[nodiscard]] Association SelectMatches(std::span<const PointMatch> matches, const LocalMap& map,
                                         const MovingProbabilities& probabilities,
-                                        const std::function<double(std::uint32_t)>& keypoint_probability,
-                                        const AssociationOptions& options);
+                                        const KeypointProbabilities* propagated, const AssociationOptions& options);
 
 }  // namespace rds

@@ -3,8 +3,10 @@
 
 #include <gtest/gtest.h>
 
-#include <functional>
+#include <memory>
 #include <vector>
+
+#include "testing/board.h"
 
 namespace rds {
 namespace {
@@ -25,8 +27,8 @@ struct Scene {
     }
   }
   [[nodiscard]] Association Select(const AssociationOptions& options,
-                                   const std::function<double(std::uint32_t)>& keypoints = {}) const {
-    return SelectMatches(matches, map, probabilities, keypoints, options);
+                                   const KeypointProbabilities* propagated = nullptr) const {
+    return SelectMatches(matches, map, probabilities, propagated, options);
   }
 };
 
@@ -58,7 +60,7 @@ TEST(DataAssociation, BelowTauUnknownOnesFollowTheStaticOnes) {
   EXPECT_EQ(association.dynamic.size(), 10U);  // never used
 }
 
-TEST(DataAssociation, GatedUnknownOnesWaitForThePoseOfAFewStaticOnes) {
+TEST(DataAssociation, DeferredUnknownOnesWaitForThePoseOfAFewStaticOnes) {
   for (const int still : {9, 10}) {
     Scene scene;
     scene.Add(30, 0.5);
@@ -89,7 +91,18 @@ TEST(DataAssociation, AKeypointsLabelSpeaksForAnUnknownPointOnly) {
   Scene scene;
   scene.Add(1, 0.5);
   scene.Add(1, 0.1);
-  const Association association = scene.Select({}, [](std::uint32_t) { return 0.9; });
+  // Both keypoints lie on a board that is said to move.
+  std::vector<Keypoint> keypoints(2);
+  for (Keypoint& keypoint : keypoints) {
+    keypoint.raw_x = 30 * kDepthGridStep;
+    keypoint.raw_y = 30 * kDepthGridStep;
+    keypoint.depth_m = kBoardDepth;
+  }
+  const auto frame = SeeBoard({20, 40}, keypoints);
+  PropagatedLabels labels{FrameId{0}, TestCamera(), {}, frame->depth_grid(), {}, {}};
+  labels.labels.assign(std::size_t{kBoardColumns} * kBoardRows, SurfaceLabel{0, true});
+  const KeypointProbabilities moving(std::make_shared<const PropagatedLabels>(labels), frame, {}, {});
+  const Association association = scene.Select({}, &moving);
   ASSERT_EQ(association.dynamic.size(), 1U);
   EXPECT_EQ(association.dynamic[0].point, 0U);
   ASSERT_EQ(association.used.size(), 1U);

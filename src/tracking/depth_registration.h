@@ -8,13 +8,9 @@
 #include "feature/frame_data.h"
 #include "geometry/rigid3.h"
 #include "optim/pose_prior.h"
+#include "tracking/tracker_options.h"
 
 namespace rds {
-
-struct DepthRegistrationOptions {
-  bool enabled = true;
-  double weight = 0.04;  // of each sample: neighbors err alike, and so does all of a depth image
-};
 
 // Every so many samples of the depth grid in each direction are laid over, from half of it on.
 inline constexpr int kRegistrationStep = 2;

@@ -2,26 +2,9 @@
 // When a frame becomes a keyframe.
 #pragma once
 
-#include <cstdint>
+#include "tracking/tracker_options.h"
 
 namespace rds {
-
-enum class KeyframeRule : std::uint8_t { kOrbSlam3, kPaper };
-
-struct KeyframePolicyOptions {
-  KeyframeRule rule = KeyframeRule::kOrbSlam3;  // or the paper's (section II-A1)
-  int max_frames = 30;                          // orb_slam3: a keyframe at the latest after so many frames
-  int min_frames = 6;           // none sooner than so many frames after the last, unless tracking is weak
-  double tracked_ratio = 0.95;  // of the reference keyframe's points: below this the view is new
-  double weak_ratio = 0.25;     // below this a keyframe is wanted even while mapping is busy
-  int close_tracked = 100;      // fewer close points tracked than this ...
-  int close_untracked = 70;     // ... while more than this could be: a keyframe is wanted
-  int min_inliers = 15;
-  int paper_frames = 20;  // paper: frames since the last keyframe or recovery
-  int paper_points = 50;
-  double paper_ratio = 0.9;
-  int semantic_frames = 8;  // with semantics: a keyframe for an idle segmenter, at most so often; 0 = never
-};
 
 // What the policy looks at.
 struct KeyframeSituation {

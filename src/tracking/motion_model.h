@@ -6,16 +6,9 @@
 
 #include "geometry/rigid3.h"
 #include "optim/pose_prior.h"
+#include "tracking/tracker_options.h"
 
 namespace rds {
-
-// A camera in a hand or on a robot: its velocity stays, but for accelerations of this size (standard deviation for
-// each axis). Second differences of the poses of one hand-held recording at 30 Hz, their noise included: 4.7 m/s^2 and
-// 3.9 rad/s^2.
-struct MotionOptions {
-  double acceleration_m_s2 = 4.5;  // 0 = a pose stands on its matches alone
-  double angular_acceleration_rad_s2 = 9;
-};
 
 // Constant velocity in the frame of the camera, averaged over the last steps as each of them is as noisy as two poses;
 // and what it is worth. A value; no thread safety of its own.
