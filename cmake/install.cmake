@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-# `cmake --install`: the library with the headers that its public API needs, a CMake package, the program, the
+# `cmake --install`: the libraries with the headers that their public API needs, a CMake package, the program, the
 # camera files.
 include(CMakePackageConfigHelpers)
 
 # The public API: these headers and all that they include.
-set(RDS_PUBLIC_HEADERS system/slam.h base/error.h base/log.h)
+set(RDS_PUBLIC_HEADERS system/slam.h segmentation/mask.h base/error.h base/log.h  # rds::rds
+  segmentation/segmenter_factory.h)  # rds::io
 
 # rds_add_headers(LIST HEADER): adds HEADER (relative to src/) and, recursively, what it includes, to LIST.
 function(rds_add_headers list header)
@@ -31,7 +32,7 @@ foreach(header ${headers})
 endforeach()
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/rds)
-install(TARGETS rds_core EXPORT rds ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development
+install(TARGETS rds_core rds_io EXPORT rds ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development)
 install(EXPORT rds NAMESPACE rds:: FILE rdsTargets.cmake DESTINATION ${package_dir} COMPONENT development)
 if(RDS_OPENVINO_FROM_WHEEL)

@@ -21,7 +21,7 @@ foreach(folder base geometry optim feature segmentation map semantic propagation
   if(folder STREQUAL "cli")
     target_link_libraries(${program} PRIVATE rds_cli)
   endif()
-  target_link_libraries(${program} PRIVATE $<TARGET_NAME_IF_EXISTS:rds_synth> rds_core rds_flags
+  target_link_libraries(${program} PRIVATE $<TARGET_NAME_IF_EXISTS:rds_synth> rds_io rds_flags
     nlohmann_json::nlohmann_json ${RDS_YAML_CPP} CURL::libcurl OpenSSL::Crypto
     opencv_core opencv_imgproc opencv_imgcodecs opencv_features2d opencv_calib3d
     GTest::gmock GTest::gtest_main)
@@ -59,7 +59,7 @@ endforeach()
 
 # What tests/fuzz/fuzz.py feeds broken input to.
 add_executable(fuzz_driver ${PROJECT_SOURCE_DIR}/tests/fuzz/fuzz_driver.cc)
-target_link_libraries(fuzz_driver PRIVATE rds_core rds_flags)
+target_link_libraries(fuzz_driver PRIVATE rds_io rds_flags)
 
 # rds_add_repository_test(NAME COMMAND...): exit code 77 says that it was skipped.
 function(rds_add_repository_test name)

@@ -44,8 +44,8 @@ struct Image {
            static_cast<std::size_t>(y) * static_cast<std::size_t>(width) * static_cast<std::size_t>(channels);
   }
   [[nodiscard]] const T* Row(int y) const { return const_cast<Image*>(this)->Row(y); }
-  [[nodiscard]] T& At(int x, int y) { return Row(y)[x * channels]; }
-  [[nodiscard]] const T& At(int x, int y) const { return Row(y)[x * channels]; }
+  [[nodiscard]] T& At(int x, int y, int channel = 0) { return Row(y)[x * channels + channel]; }
+  [[nodiscard]] const T& At(int x, int y, int channel = 0) const { return Row(y)[x * channels + channel]; }
 };
 
 using Image8 = Image<std::uint8_t>;    // gray (1 channel), or BGR (3 channels) as OpenCV orders it

@@ -8,19 +8,9 @@
 
 #include "base/image.h"
 #include "feature/frame_data.h"
+#include "feature/orb_options.h"
 
 namespace rds {
-
-struct OrbOptions {
-  int features = 1000;           // keypoints wanted
-  int levels = 8;                // pyramid levels
-  double scale_factor = 1.2;     // between levels
-  int fast_threshold = 20;       // gray values
-  int min_fast_threshold = 7;    // used in cells where the first threshold finds nothing
-  bool depth_edges = true;       // look for jumps of the depth around each keypoint, and holes where it is near
-  double moving_ratio = 0.1;     // of each coarse level's: keypoints wanted in addition on what moves
-  double boundary_ratio = 0.15;  // of each level's: those wanted in addition beside it
-};
 
 // Extracts ORB features (Rublee et al., "ORB: an efficient alternative to SIFT or SURF", ICCV 2011) and looks up their
 // depth. Keeps its buffers between calls: use one instance per thread. Deterministic: same input, same bytes out.

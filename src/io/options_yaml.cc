@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "base/strict_yaml.h"
+#include "system/option_binding.h"
 
 namespace rds {
 namespace {

@@ -10,13 +10,9 @@
 #include <vector>
 
 #include "map/map.h"
+#include "map/map_options.h"
 
 namespace rds {
-
-struct LocalMapOptions {
-  int keyframes = 40;  // at most, in a snapshot
-  int neighbors = 10;  // best covisible keyframes that each covisible keyframe brings along
-};
 
 // A keyframe as tracking sees it.
 struct LocalKeyframe {

@@ -14,16 +14,9 @@
 
 #include "base/ids.h"
 #include "map/id_table.h"
+#include "map/map_options.h"
 
 namespace rds {
-
-struct MovingProbabilityOptions {
-  double alpha = 0.9;          // p(labeled dynamic | dynamic)
-  double beta = 0.9;           // p(labeled static | static)
-  double static_below = 0.4;   // theta_s
-  double dynamic_above = 0.6;  // theta_d
-  double floor = 0.02;         // p stays within [floor, 1 - floor], so that a point can change its mind
-};
 
 inline constexpr double kUnknownProbability = 0.5;
 

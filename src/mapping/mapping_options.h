@@ -2,7 +2,7 @@
 // Options of local mapping.
 #pragma once
 
-#include "optim/bundle_options.h"
+#include "optim/optim_options.h"
 
 namespace rds {
 

@@ -9,8 +9,8 @@
 
 #include "geometry/camera.h"
 #include "geometry/rigid3.h"
-#include "optim/bundle_options.h"
 #include "optim/observation.h"
+#include "optim/optim_options.h"
 
 namespace rds {
 

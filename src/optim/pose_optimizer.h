@@ -10,6 +10,7 @@
 #include "geometry/camera.h"
 #include "geometry/rigid3.h"
 #include "optim/observation.h"
+#include "optim/optim_options.h"
 #include "optim/pose_prior.h"
 
 namespace rds {
@@ -17,12 +18,6 @@ namespace rds {
 struct PoseObservation {
   Eigen::Vector3d point_in_world = Eigen::Vector3d::Zero();
   PixelObservation keypoint;
-};
-
-struct PoseOptimizerOptions {
-  int rounds = 4;                 // inliers are classified anew after each
-  int iterations_per_round = 10;  // at most; a round ends when the step is tiny
-  int robust_rounds = 2;          // the first rounds with the Huber kernel; later ones plain least squares on inliers
 };
 
 struct PoseResult {

@@ -8,14 +8,9 @@
 
 #include "base/image.h"
 #include "map/map.h"
+#include "propagation/propagation_options.h"
 
 namespace rds {
-
-struct FreeSpaceOptions {
-  bool enabled = true;
-  double margin_ratio = 0.1;  // an earlier view must have looked that much farther, as a share of the depth
-  double match_ratio = 0.02;  // a surface is the same one up to this share of its depth
-};
 
 inline constexpr std::size_t kFreeSpaceViews = 3;      // earlier views that are asked
 inline constexpr std::uint32_t kFreeSpaceFrames = 60;  // how much earlier they may be

@@ -13,15 +13,10 @@
 #include "feature/frame_data.h"
 #include "propagation/free_space.h"
 #include "propagation/grid_warp.h"
+#include "propagation/propagation_options.h"
 #include "propagation/surface_labels.h"
 
 namespace rds {
-
-struct PropagationOptions {
-  bool enabled = true;
-  int age_penalty_px = 4;  // a label is as if so much farther away with each frame that it is carried
-  SurfaceLabelOptions surface;
-};
 
 // Labels of the surfaces of one frame. Immutable once made.
 struct PropagatedLabels {

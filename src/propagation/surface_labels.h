@@ -9,18 +9,9 @@
 
 #include "feature/frame_data.h"
 #include "map/keyframe.h"
+#include "propagation/propagation_options.h"
 
 namespace rds {
-
-struct SurfaceLabelOptions {
-  int max_dynamic_distance_px = 255;  // how far a label of what moves spreads over a surface, below SurfaceLabel::kNone
-  int max_static_distance_px = 100;   // and one of what does not
-  double depth_step_ratio = 0.03;     // neighboring samples on a surface differ in depth by at most this share
-
-  [[nodiscard]] int MaxDistance(bool dynamic) const {
-    return dynamic ? max_dynamic_distance_px : max_static_distance_px;
-  }
-};
 
 // What a sample of a depth grid is said to be, and how far the place is whose label says so.
 struct SurfaceLabel {

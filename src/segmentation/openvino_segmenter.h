@@ -7,16 +7,9 @@
 
 #include "segmentation/segmentation_model.h"
 #include "segmentation/segmenter.h"
+#include "segmentation/segmenter_options.h"
 
 namespace rds {
-
-struct OpenVinoOptions {
-  double threshold = 0;        // on the probability of a dynamic class, 0 .. 1; 0 = as the weights' description says
-  double unsure = -1;          // above it, up to the threshold, a pixel says nothing; -1 = as the description says
-  int threads = 1;             // that inference uses; one leaves the other cores to tracking
-  int max_batch = 1;           // images a run of the network: 1, or 2 = a keyframe pair in one run
-  std::string device = "CPU";  // as OpenVINO names devices
-};
 
 // Whether this build has the OpenVINO runtime.
 [[nodiscard]] bool HasOpenVino();

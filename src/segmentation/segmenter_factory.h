@@ -8,15 +8,10 @@
 
 #include "segmentation/openvino_segmenter.h"
 #include "segmentation/segmenter.h"
+#include "segmentation/segmenter_options.h"
 #include "segmentation/stored_segmenter.h"
 
 namespace rds {
-
-struct SegmenterOptions {
-  std::string model;             // weights: a file, "fast", "accurate", or "" = what is there (see ResolveWeights)
-  OpenVinoOptions openvino;      // threshold, threads, images a run, device
-  double stored_delay_ms = 200;  // time that a request to "stored" takes
-};
 
 // The back ends' names, as --segmenter takes them: "openvino", "stored", "none".
 [[nodiscard]] const std::vector<std::string>& SegmenterNames();

@@ -11,14 +11,9 @@
 #include "base/ids.h"
 #include "base/image.h"
 #include "feature/frame_data.h"
+#include "semantic/semantic_options.h"
 
 namespace rds {
-
-enum class SelectionMode : std::uint8_t {
-  kBidirectional,  // the oldest and the newest
-  kSequential,     // the oldest ones
-  kNewest,         // the newest ones
-};
 
 struct BacklogItem {
   FrameId frame;  // of the keyframe

@@ -7,16 +7,9 @@
 
 #include "map/map.h"
 #include "optim/pose_optimizer.h"
+#include "semantic/semantic_options.h"
 
 namespace rds {
-
-struct SemanticOptimizerOptions {
-  bool enabled = true;
-  int most_keyframes = 30;         // a labeled one and those after it, whose poses hang on its own
-  int min_static = 50;             // static matches that a keyframe needs
-  double min_shift_m = 0.002;      // smaller corrections are not applied: they are noise ...
-  double min_rotation_deg = 0.05;  // ... unless the rotation is larger than this
-};
 
 // One keyframe's matches to static points that older keyframes made, copied out of the map.
 struct SemanticPoseProblem {

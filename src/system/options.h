@@ -1,24 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-// All options of the system: one struct a module, gathered here; and the table that names, bounds and explains them.
+// All options of the system: one struct a module, gathered here.
 //
-// To add an option: a member with its default in its module's struct, and one line in BindOptions (options.cc).
+// To add an option: a member with its default in its module's struct, and one line in BindOptions (option_binding.cc).
 #pragma once
 
 #include <string>
 #include <string_view>
 
-#include "feature/orb.h"
-#include "map/local_map.h"
-#include "map/moving_probability.h"
-#include "mapping/local_mapper.h"
-#include "optim/pose_optimizer.h"
-#include "propagation/free_space.h"
-#include "propagation/label_propagation.h"
-#include "segmentation/segmenter_factory.h"
-#include "semantic/backlog.h"
-#include "semantic/semantic_optimizer.h"
-#include "system/option_table.h"
-#include "tracking/tracker.h"
+#include "feature/orb_options.h"
+#include "map/map_options.h"
+#include "mapping/mapping_options.h"
+#include "optim/optim_options.h"
+#include "propagation/propagation_options.h"
+#include "segmentation/segmenter_options.h"
+#include "semantic/semantic_options.h"
+#include "tracking/tracker_options.h"
 
 namespace rds {
 
@@ -57,10 +53,6 @@ struct Options {
   SemanticOptions semantic;
   SegmenterOptions segmenter;  // for MakeSegmenter; the system itself takes a ready one
 };
-
-// The table of all options, bound to `options`, which must outlive it. The order is the order of printing; keys with
-// the same first part stand together.
-[[nodiscard]] OptionTable BindOptions(Options& options);
 
 // Sets one option from text. Throws InputError naming the key, the value and the range, or the nearest known key.
 void SetOption(Options& options, std::string_view key, const std::string& value);

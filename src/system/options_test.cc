@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "system/options.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -9,6 +7,7 @@
 #include <set>
 
 #include "base/error.h"
+#include "system/option_binding.h"
 #include "testing/temporary_folder.h"
 
 namespace rds {

@@ -1,8 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Options of bundle adjustment.
+// Options of the solvers.
 #pragma once
 
 namespace rds {
+
+struct PoseOptimizerOptions {
+  int rounds = 4;                 // inliers are classified anew after each
+  int iterations_per_round = 10;  // at most; a round ends when the step is tiny
+  int robust_rounds = 2;          // the first rounds with the Huber kernel; later ones plain least squares on inliers
+};
 
 struct BundleOptions {
   int robust_iterations = 5;    // with the Huber kernel on everything

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "system/options.h"
+#include "system/option_binding.h"
 
 #include "base/error.h"
+#include "propagation/surface_labels.h"
 
 namespace rds {
 namespace {
