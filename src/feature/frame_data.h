@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "geometry/camera.h"
+#include "geometry/depth_grid.h"
 
 namespace rds {
 
@@ -57,15 +58,6 @@ struct ScalePyramid {
     }
     return level;
   }
-};
-
-// Depth of every kDepthGridStep-th pixel of the recorded image, row by row: sample (i, j) lies at the middle of its
-// kDepthGridStep x kDepthGridStep block.
-inline constexpr int kDepthGridStep = 8;
-struct DepthGrid {
-  int columns = 0;
-  int rows = 0;
-  std::vector<float> depth_m;  // 0 = no depth
 };
 
 // What is known of a sample's surface.

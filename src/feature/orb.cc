@@ -85,17 +85,18 @@ void LookUpDepth(const PinholeCamera& camera, const DepthLookup& depth, bool edg
 }
 
 DepthGrid SampleDepth(const PinholeCamera& camera, const DepthLookup& depth) {
-  DepthGrid grid{depth.width() / kDepthGridStep, depth.height() / kDepthGridStep, {}};
-  grid.depth_m.reserve(static_cast<std::size_t>(grid.columns * grid.rows));
+  const int columns = depth.width() / kDepthGridStep;
+  const int rows = depth.height() / kDepthGridStep;
+  std::vector<float> depth_m;
+  depth_m.reserve(static_cast<std::size_t>(columns * rows));
   const auto meters_per_unit = static_cast<float>(1 / camera.depth_scale);
-  for (int row = 0; row < grid.rows; ++row) {
-    for (int column = 0; column < grid.columns; ++column) {
-      const std::uint16_t raw =
-          depth.At(column * kDepthGridStep + kDepthGridStep / 2, row * kDepthGridStep + kDepthGridStep / 2);
-      grid.depth_m.push_back(static_cast<float>(raw) * meters_per_unit);
+  for (int row = 0; row < rows; ++row) {
+    for (int column = 0; column < columns; ++column) {
+      const std::uint16_t raw = depth.At(DepthGrid::MiddlePixel(column), DepthGrid::MiddlePixel(row));
+      depth_m.push_back(static_cast<float>(raw) * meters_per_unit);
     }
   }
-  return grid;
+  return {columns, rows, std::move(depth_m)};
 }
 
 void Undistort(const PinholeCamera& camera, std::vector<Keypoint>& keypoints) {

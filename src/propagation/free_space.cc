@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "base/error.h"
-#include "propagation/grid_warp.h"
+#include "geometry/depth_grid.h"
 #include "semantic/keypoint_labels.h"
 
 namespace rds {
@@ -16,20 +16,16 @@ namespace {
 constexpr double kMostShare = 0.4;  // of the view that can have moved in
 constexpr int kLeastNeighbors = 4;  // of a sample that moved in, itself among them, in a block of 3 x 3
 
-std::size_t IndexOf(const DepthGrid& grid, int column, int row) {
-  return static_cast<std::size_t>(row * grid.columns + column);
-}
-
 std::vector<float> LeastDepths(const DepthGrid& grid) {
-  std::vector<float> result(grid.depth_m.size(), 0);
-  for (int row = 1; row + 1 < grid.rows; ++row) {
-    for (int column = 1; column + 1 < grid.columns; ++column) {
+  std::vector<float> result(grid.size(), 0);
+  for (int row = 1; row + 1 < grid.rows(); ++row) {
+    for (int column = 1; column + 1 < grid.columns(); ++column) {
       float least = std::numeric_limits<float>::max();
       for (int y = row - 1; y <= row + 1; ++y) {
-        const float* const depth_m = &grid.depth_m[IndexOf(grid, column - 1, y)];
+        const float* const depth_m = &grid.depth_m()[grid.Index(column - 1, y)];
         least = std::min({least, depth_m[0], depth_m[1], depth_m[2]});
       }
-      result[IndexOf(grid, column, row)] = least;
+      result[grid.Index(column, row)] = least;
     }
   }
   return result;
@@ -39,24 +35,19 @@ std::vector<float> LeastDepths(const DepthGrid& grid) {
 int RemoveSingles(const DepthGrid& grid, std::vector<KeypointLabel>& judged) {
   const std::vector<KeypointLabel> before = judged;
   int left = 0;
-  for (int row = 0; row < grid.rows; ++row) {
-    for (int column = 0; column < grid.columns; ++column) {
-      if (before[IndexOf(grid, column, row)] != KeypointLabel::kDynamic) {
-        continue;
-      }
-      int neighbors = 0;
-      for (int y = std::max(row - 1, 0); y <= std::min(row + 1, grid.rows - 1); ++y) {
-        for (int x = std::max(column - 1, 0); x <= std::min(column + 1, grid.columns - 1); ++x) {
-          neighbors += before[IndexOf(grid, x, y)] == KeypointLabel::kDynamic ? 1 : 0;
-        }
-      }
-      if (neighbors >= kLeastNeighbors) {
-        ++left;
-      } else {
-        judged[IndexOf(grid, column, row)] = KeypointLabel::kNone;
-      }
+  grid.ForEach([&](int column, int row) {
+    if (before[grid.Index(column, row)] != KeypointLabel::kDynamic) {
+      return;
     }
-  }
+    int neighbors = 0;
+    grid.ForEachAround(column, row,
+                       [&](int x, int y) { neighbors += before[grid.Index(x, y)] == KeypointLabel::kDynamic ? 1 : 0; });
+    if (neighbors >= kLeastNeighbors) {
+      ++left;
+    } else {
+      judged[grid.Index(column, row)] = KeypointLabel::kNone;
+    }
+  });
   return left;
 }
 
@@ -65,34 +56,29 @@ void JudgeByView(const FrameData& frame, const Rigid3& view_from_now, const Dept
                  const FreeSpaceOptions& options, std::vector<KeypointLabel>& judged, std::vector<std::uint8_t>& seen) {
   const DepthGrid& grid = frame.depth_grid();
   const DepthGrid& then = view.data->depth_grid();
+  Check(view.least_depth_m.size() == then.size(), "a least depth for each sample of a view");
   const GridWarp warp(frame.camera(), view_from_now);
   const auto farther = static_cast<float>(1 + options.margin_ratio);
   const auto same = static_cast<float>(options.match_ratio);
-  const auto last_column = static_cast<float>(then.columns - 1);
-  const auto last_row = static_cast<float>(then.rows - 1);
-  for (int row = 0; row < grid.rows; ++row) {
-    for (int column = 0; column < grid.columns; ++column) {
-      const std::size_t i = IndexOf(grid, column, row);
-      const float depth_m = grid.depth_m[i];
-      if (depth_m <= 0 || judged[i] != KeypointLabel::kNone) {
-        continue;
-      }
-      const GridPlace there = warp({static_cast<float>(column) + 0.5F, static_cast<float>(row) + 0.5F, depth_m});
-      if (!(there.depth_m > 0 && there.column >= 1 && there.row >= 1 && there.column < last_column &&
-            there.row < last_row)) {
-        continue;
-      }
-      const std::size_t place = IndexOf(then, static_cast<int>(there.column), static_cast<int>(there.row));
-      const float looked_m = view.least_depth_m[place];
-      seen[i] |= looked_m > 0 ? 1 : 0;
-      if (looked_m > there.depth_m * farther) {
-        judged[i] = KeypointLabel::kDynamic;
-      } else if (!view.labels.empty() && view.labels[place] == KeypointLabel::kStatic &&
-                 std::abs(then.depth_m[place] - there.depth_m) < there.depth_m * same) {
-        judged[i] = KeypointLabel::kStatic;
-      }
+  grid.ForEach([&](int column, int row) {
+    const std::size_t i = grid.Index(column, row);
+    if (grid[i] <= 0 || judged[i] != KeypointLabel::kNone) {
+      return;
     }
-  }
+    const GridPlace there = warp(grid.Place(column, row));
+    const auto place = then.IndexWithin(there);
+    if (!place) {
+      return;
+    }
+    const float looked_m = view.least_depth_m[*place];
+    seen[i] |= looked_m > 0 ? 1 : 0;
+    if (looked_m > there.depth_m * farther) {
+      judged[i] = KeypointLabel::kDynamic;
+    } else if (!view.labels.empty() && view.labels[*place] == KeypointLabel::kStatic &&
+               SameSurface(there.depth_m, then[*place], same)) {
+      judged[i] = KeypointLabel::kStatic;
+    }
+  });
 }
 
 }  // namespace
@@ -102,13 +88,10 @@ std::vector<KeypointLabel> LabelGrid(const FrameData& data, const Image8& mask) 
   Check(mask.width == data.camera().width && mask.height == data.camera().height && mask.channels == 1,
         "the mask has the size of the image");
   std::vector<KeypointLabel> labels;
-  labels.reserve(grid.depth_m.size());
-  for (int row = 0; row < grid.rows; ++row) {
-    for (int column = 0; column < grid.columns; ++column) {
-      labels.push_back(LabelOfPixel(
-          mask.At(column * kDepthGridStep + kDepthGridStep / 2, row * kDepthGridStep + kDepthGridStep / 2)));
-    }
-  }
+  labels.reserve(grid.size());
+  grid.ForEach([&](int column, int row) {
+    labels.push_back(LabelOfPixel(mask.At(DepthGrid::MiddlePixel(column), DepthGrid::MiddlePixel(row))));
+  });
   return labels;
 }
 
@@ -121,8 +104,8 @@ DepthView MakeView(FrameId frame, std::shared_ptr<const FrameData> data, const R
 std::vector<KeypointLabel> CheckFreeSpace(const FrameData& frame, const Rigid3& camera_from_world,
                                           std::span<const DepthView> views, const FreeSpaceOptions& options) {
   const DepthGrid& grid = frame.depth_grid();
-  std::vector<KeypointLabel> judged(grid.depth_m.size(), KeypointLabel::kNone);
-  std::vector<std::uint8_t> seen(grid.depth_m.size(), 0);
+  std::vector<KeypointLabel> judged(grid.size(), KeypointLabel::kNone);
+  std::vector<std::uint8_t> seen(grid.size(), 0);
   for (const DepthView& view : views) {
     JudgeByView(frame, view.camera_from_world * camera_from_world.Inverse(), view, options, judged, seen);
   }
@@ -159,9 +142,8 @@ void MarkNewlyOccupied(const FrameData& data, std::span<const KeypointLabel> jud
                        std::vector<KeypointLabel>& labels) {
   const DepthGrid& grid = data.depth_grid();
   for (std::size_t k = 0; k < labels.size(); ++k) {
-    const int column = static_cast<int>(data.keypoints()[k].raw_x) / kDepthGridStep;
-    const int row = static_cast<int>(data.keypoints()[k].raw_y) / kDepthGridStep;
-    if (column < grid.columns && row < grid.rows && judged[IndexOf(grid, column, row)] == KeypointLabel::kDynamic) {
+    const auto sample = grid.IndexOfPixel(data.keypoints()[k].raw_x, data.keypoints()[k].raw_y);
+    if (sample && judged[*sample] == KeypointLabel::kDynamic) {
       labels[k] = KeypointLabel::kDynamic;
     }
   }

@@ -13,8 +13,6 @@ namespace {
 // Moving probability of what is dynamic for sure and of what a label just about reaches; static ones mirror them.
 constexpr double kNear = 0.88;
 constexpr double kFar = 0.62;
-constexpr float kSameDepth = 0.03F;      // share of the depth up to which a place lies on a surface
-constexpr float kTimeStepDepth = 0.06F;  // share by which the depth of what moves may change from frame to frame
 
 bool IsDynamic(const SurfaceLabel& label) { return label.dynamic; }
 
@@ -22,7 +20,7 @@ bool IsDynamic(KeypointLabel label) { return label == KeypointLabel::kDynamic; }
 
 // What is static stays at its place; only what is dynamic is found next to it.
 template <typename Label>
-bool IsCarried(const Label& label, bool moved) {
+bool Persists(const Label& label, bool moved) {
   return !moved || IsDynamic(label);
 }
 
@@ -34,24 +32,21 @@ struct Found {
 
 // The sample at the place, so that labels do not creep, else the one around it whose depth is nearest.
 std::optional<Found> FindSurface(const DepthGrid& grid, const GridPlace& place) {
-  if (!(place.depth_m > 0 && place.column >= 1 && place.row >= 1 &&
-        place.column < static_cast<float>(grid.columns - 1) && place.row < static_cast<float>(grid.rows - 1))) {
+  const auto sample = grid.IndexWithin(place);
+  if (!sample) {
     return std::nullopt;
   }
-  const int cell = static_cast<int>(place.row) * grid.columns + static_cast<int>(place.column);
-  const auto difference_m = [&](int step) {
-    return std::abs(grid.depth_m[static_cast<std::size_t>(cell + step)] - place.depth_m);
-  };
-  if (difference_m(0) < kSameDepth * place.depth_m) {
-    return Found{static_cast<std::size_t>(cell), false};
+  if (SameSurface(place.depth_m, grid[*sample], depth_ratio::kSamePlace)) {
+    return Found{*sample, false};
   }
-  float least_m = kTimeStepDepth * place.depth_m;
+  const int columns = grid.columns();
+  float least_m = depth_ratio::kMovingPlace * place.depth_m;
   std::optional<Found> found;
-  for (const int step : {0, -1, 1, -grid.columns, grid.columns, -grid.columns - 1, -grid.columns + 1, grid.columns - 1,
-                         grid.columns + 1}) {
-    if (difference_m(step) < least_m) {
-      least_m = difference_m(step);
-      found = Found{static_cast<std::size_t>(cell + step), true};
+  for (const int step : {0, -1, 1, -columns, columns, -columns - 1, -columns + 1, columns - 1, columns + 1}) {
+    const std::size_t beside = *sample + static_cast<std::size_t>(step);
+    if (const float off_m = std::abs(grid[beside] - place.depth_m); off_m < least_m) {
+      least_m = off_m;
+      found = Found{beside, true};
     }
   }
   return found;
@@ -61,25 +56,21 @@ std::optional<Found> FindSurface(const DepthGrid& grid, const GridPlace& place) 
 SurfaceLabel LabelAt(const PropagatedLabels& field, const GridPlace& place) {
   const auto found = FindSurface(field.grid, place);
   const SurfaceLabel label = found ? field.labels[found->sample] : SurfaceLabel{};
-  return label.IsKnown() && IsCarried(label, found->moved) ? label : SurfaceLabel{};
+  return label.IsKnown() && Persists(label, found->moved) ? label : SurfaceLabel{};
 }
 
 std::vector<SampleMotion> MarkMoving(const DepthGrid& grid, std::span<const SurfaceLabel> labels) {
   std::vector<SampleMotion> motion;
-  for (int row = 0; row < grid.rows; ++row) {
-    for (int column = 0; column < grid.columns; ++column) {
-      if (!labels[static_cast<std::size_t>(row * grid.columns + column)].dynamic) {
-        continue;
-      }
+  grid.ForEach([&](int column, int row) {
+    const std::size_t moving = grid.Index(column, row);
+    if (labels[moving].dynamic) {
       motion.resize(labels.size());
-      for (int y = std::max(row - 1, 0); y <= std::min(row + 1, grid.rows - 1); ++y) {
-        for (int x = std::max(column - 1, 0); x <= std::min(column + 1, grid.columns - 1); ++x) {
-          SampleMotion& here = motion[static_cast<std::size_t>(y * grid.columns + x)];
-          here = std::max(here, y == row && x == column ? SampleMotion::kMoves : SampleMotion::kBoundary);
-        }
-      }
+      grid.ForEachAround(column, row, [&](int x, int y) {
+        SampleMotion& here = motion[grid.Index(x, y)];
+        here = std::max(here, grid.Index(x, y) == moving ? SampleMotion::kMoves : SampleMotion::kBoundary);
+      });
     }
-  }
+  });
   return motion;
 }
 
@@ -110,62 +101,56 @@ double KeypointProbabilities::operator[](std::size_t keypoint) const {
 std::vector<std::uint8_t> StaticSamples(const PropagatedLabels& field, const FrameData& later,
                                         const Rigid3& later_from_field, int step) {
   const DepthGrid& grid = later.depth_grid();
-  std::vector<std::uint8_t> result(grid.depth_m.size(), 0);
+  std::vector<std::uint8_t> result(grid.size(), 0);
   const GridWarp warp(field.camera, later_from_field.Inverse());
-  for (int row = step / 2; row < grid.rows; row += step) {
-    for (int column = step / 2; column < grid.columns; column += step) {
-      const auto i = static_cast<std::size_t>(row * grid.columns + column);
-      if (grid.depth_m[i] > 0) {
-        const SurfaceLabel label =
-            LabelAt(field, warp({static_cast<float>(column) + 0.5F, static_cast<float>(row) + 0.5F, grid.depth_m[i]}));
-        result[i] = label.IsKnown() && !label.dynamic ? 1 : 0;
-      }
+  const auto look_up = [&](int column, int row) {
+    const std::size_t i = grid.Index(column, row);
+    if (grid[i] > 0) {
+      const SurfaceLabel label = LabelAt(field, warp(grid.Place(column, row)));
+      result[i] = label.IsKnown() && !label.dynamic ? 1 : 0;
     }
-  }
+  };
+  grid.ForEach(look_up, step);
   return result;
 }
 
 std::vector<LabelPropagator::Source> LabelPropagator::FindSources(const PinholeCamera& camera, const HistoryEntry& from,
                                                                   const HistoryEntry& to) {
-  std::vector<Source> sources(to.grid.depth_m.size());
+  std::vector<Source> sources(to.grid.size());
   const GridWarp warp(camera, from.camera_from_world * to.camera_from_world.Inverse());
-  std::size_t i = 0;
-  for (int row = 0; row < to.grid.rows; ++row) {
-    for (int column = 0; column < to.grid.columns; ++column, ++i) {
-      if (to.grid.depth_m[i] > 0) {
-        const auto found = FindSurface(
-            from.grid, warp({static_cast<float>(column) + 0.5F, static_cast<float>(row) + 0.5F, to.grid.depth_m[i]}));
-        if (found) {
-          sources[i] = {static_cast<std::int32_t>(found->sample), found->moved};
-        }
+  to.grid.ForEach([&](int column, int row) {
+    const std::size_t i = to.grid.Index(column, row);
+    if (to.grid[i] > 0) {
+      if (const auto found = FindSurface(from.grid, warp(to.grid.Place(column, row)))) {
+        sources[i] = {static_cast<std::int32_t>(found->sample), found->moved};
       }
     }
-  }
+  });
   return sources;
 }
 
 template <typename Value>
-std::vector<Value> LabelPropagator::Carry(std::span<const Source> sources, std::span<const Value> values) {
-  std::vector<Value> carried(sources.size());
+std::vector<Value> LabelPropagator::Propagate(std::span<const Source> sources, std::span<const Value> values) {
+  std::vector<Value> propagated(sources.size());
   for (std::size_t i = 0; i < sources.size(); ++i) {
     if (sources[i].sample >= 0) {
       const Value& value = values[static_cast<std::size_t>(sources[i].sample)];
-      if (IsCarried(value, sources[i].moved)) {
-        carried[i] = value;
+      if (Persists(value, sources[i].moved)) {
+        propagated[i] = value;
       }
     }
   }
-  return carried;
+  return propagated;
 }
 
 std::vector<KeypointLabel> LabelPropagator::PropagateFrom(const DepthView& view) const {
   const auto start = std::ranges::lower_bound(history_, view.frame, {}, &HistoryEntry::frame);
-  if (start == history_.end() || start->frame != view.frame || view.labels.size() != start->grid.depth_m.size()) {
+  if (start == history_.end() || start->frame != view.frame || view.labels.size() != start->grid.size()) {
     return {};
   }
   std::vector<KeypointLabel> labels = view.labels;
-  for (auto moment = std::next(start); moment != history_.end(); ++moment) {
-    labels = Carry<KeypointLabel>(moment->sources, labels);
+  for (auto entry = std::next(start); entry != history_.end(); ++entry) {
+    labels = Propagate<KeypointLabel>(entry->sources, labels);
   }
   return labels;
 }
@@ -182,7 +167,7 @@ std::shared_ptr<const PropagatedLabels> LabelPropagator::Next(FrameId frame, con
   if (history_.size() > 1) {
     const HistoryEntry& before = history_[history_.size() - 2];
     now.sources = FindSources(data.camera(), before, now);
-    surface_.Add(Carry<SurfaceLabel>(now.sources, labels_), PenaltySince(before.frame, frame));
+    surface_.Add(Propagate<SurfaceLabel>(now.sources, labels_), PenaltySince(before.frame, frame));
   }
   for (const DepthView& view : views) {
     if (std::ranges::find(propagated_, view.frame) == propagated_.end()) {

@@ -11,8 +11,8 @@
 
 #include "base/ids.h"
 #include "feature/frame_data.h"
+#include "geometry/depth_grid.h"
 #include "propagation/free_space.h"
-#include "propagation/grid_warp.h"
 #include "propagation/propagation_options.h"
 #include "propagation/surface_labels.h"
 
@@ -82,7 +82,7 @@ class LabelPropagator {
   [[nodiscard]] static std::vector<Source> FindSources(const PinholeCamera& camera, const HistoryEntry& from,
                                                        const HistoryEntry& to);
   template <typename Value>
-  [[nodiscard]] static std::vector<Value> Carry(std::span<const Source> sources, std::span<const Value> values);
+  [[nodiscard]] static std::vector<Value> Propagate(std::span<const Source> sources, std::span<const Value> values);
   // The labels of a keyframe where its surfaces are now, over all frames since; empty if it is too long ago.
   [[nodiscard]] std::vector<KeypointLabel> PropagateFrom(const DepthView& view) const;
   [[nodiscard]] int PenaltySince(FrameId then, FrameId now) const;  // px

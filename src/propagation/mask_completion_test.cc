@@ -18,11 +18,11 @@ constexpr int kHeight = kRows * kDepthGridStep;
 
 // A person 1.5 m away in the columns up to 5, a wall 3 m away behind.
 DepthGrid PersonBeforeAWall() {
-  DepthGrid grid{kColumns, kRows, {}};
+  std::vector<float> depth_m;
   for (int i = 0; i < kColumns * kRows; ++i) {
-    grid.depth_m.push_back(i % kColumns <= 5 ? 1.5F : 3.0F);
+    depth_m.push_back(i % kColumns <= 5 ? 1.5F : 3.0F);
   }
-  return grid;
+  return {kColumns, kRows, std::move(depth_m)};
 }
 
 Image8 Mask(std::uint8_t value) { return Image8(kWidth, kHeight, 1, value); }
@@ -53,10 +53,11 @@ TEST(CompleteMask, WhatIsStaticStaysSoAndStopsIt) {
 }
 
 TEST(CompleteMask, StopsWhereThereIsNoDepthAndLeavesMasksWithoutDoubtAlone) {
-  DepthGrid grid = PersonBeforeAWall();
+  std::vector<float> depth_m = PersonBeforeAWall().depth_m();
   for (int row = 0; row < kRows; ++row) {
-    grid.depth_m[static_cast<std::size_t>(row * kColumns + 3)] = 0;
+    depth_m[static_cast<std::size_t>(row * kColumns + 3)] = 0;
   }
+  const DepthGrid grid(kColumns, kRows, std::move(depth_m));
   Image8 mask = Mask(kUnsurePixel);
   Fill(mask, 0, 0, kDynamicPixel);
   CompleteMask(grid, 0.04, mask);

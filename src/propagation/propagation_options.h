@@ -2,12 +2,15 @@
 // Options of the propagation of labels along surfaces and through space.
 #pragma once
 
+#include "geometry/depth_ratio.h"
+
 namespace rds {
 
 struct SurfaceLabelOptions {
   int max_dynamic_distance_px = 255;  // how far a label of what moves spreads over a surface, below SurfaceLabel::kNone
   int max_static_distance_px = 100;   // and one of what does not
-  double depth_step_ratio = 0.03;     // neighboring samples on a surface differ in depth by at most this share
+  double depth_step_ratio =
+      depth_ratio::kNextSample;  // neighboring samples on a surface differ in depth by at most this share
 
   [[nodiscard]] int MaxDistance(bool dynamic) const {
     return dynamic ? max_dynamic_distance_px : max_static_distance_px;
@@ -22,8 +25,9 @@ struct PropagationOptions {
 
 struct FreeSpaceOptions {
   bool enabled = true;
-  double margin_ratio = 0.1;  // an earlier view must have looked that much farther, as a share of the depth
-  double match_ratio = 0.02;  // a surface is the same one up to this share of its depth
+  double margin_ratio =
+      depth_ratio::kLookedBeyond;  // an earlier view must have looked that much farther, as a share of the depth
+  double match_ratio = depth_ratio::kStaticAgain;  // a surface is the same one up to this share of its depth
 };
 
 }  // namespace rds

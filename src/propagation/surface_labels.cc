@@ -16,12 +16,12 @@ static_assert(kDepthGridStep == 8);
 }  // namespace
 
 void SurfaceLabels::Start(const DepthGrid& grid) {
-  columns_ = grid.columns + 2;
-  const auto size = static_cast<std::size_t>(columns_ * (grid.rows + 2));
-  Check(std::ssize(grid.depth_m) == grid.columns * grid.rows, "a depth for each sample of the grid");
+  columns_ = grid.columns() + 2;
+  const auto size = static_cast<std::size_t>(columns_ * (grid.rows() + 2));
   depth_m_.assign(size, 0.0F);
-  for (int row = 0; row < grid.rows; ++row) {
-    std::copy_n(grid.depth_m.begin() + row * grid.columns, grid.columns, depth_m_.begin() + (row + 1) * columns_ + 1);
+  for (int row = 0; row < grid.rows(); ++row) {
+    std::copy_n(grid.depth_m().begin() + row * grid.columns(), grid.columns(),
+                depth_m_.begin() + (row + 1) * columns_ + 1);
   }
   cells_.assign(size, SurfaceLabel{});
 }
@@ -52,7 +52,7 @@ void SurfaceLabels::Add(std::span<const KeypointLabel> samples, int farther_px) 
 
 // Dijkstra with a bucket for each distance.
 void SurfaceLabels::Spread() {
-  const auto share = static_cast<float>(options_.depth_step_ratio);
+  const auto ratio = static_cast<float>(options_.depth_step_ratio);
   for (int distance_px = 0; distance_px < SurfaceLabel::kNone; ++distance_px) {
     std::vector<Cell>& bucket = queue_[static_cast<std::size_t>(distance_px)];
     for (const Cell cell : bucket) {  // what is offered goes into later buckets
@@ -61,11 +61,9 @@ void SurfaceLabels::Spread() {
         continue;  // reached on a shorter way since
       }
       const float depth_m = depth_m_[cell];
-      const float tolerance_m = depth_m * share;
       const auto step = [&](int offset, int length_px) {
         const auto neighbor = static_cast<Cell>(static_cast<int>(cell) + offset);
-        if (cells_[neighbor].distance_px > distance_px + length_px &&
-            std::abs(depth_m_[neighbor] - depth_m) < tolerance_m) {
+        if (cells_[neighbor].distance_px > distance_px + length_px && SameSurface(depth_m, depth_m_[neighbor], ratio)) {
           Offer(neighbor, distance_px + length_px, label.dynamic);
         }
       };

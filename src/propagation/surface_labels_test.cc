@@ -16,9 +16,11 @@ DepthGrid Plane(float depth_m) {
 }
 
 void FillColumn(DepthGrid& grid, int column, float depth_m) {
+  std::vector<float> samples = grid.depth_m();
   for (int row = 0; row < kRows; ++row) {
-    grid.depth_m[static_cast<std::size_t>(row * kColumns + column)] = depth_m;
+    samples[grid.Index(column, row)] = depth_m;
   }
+  grid = DepthGrid(kColumns, kRows, std::move(samples));
 }
 
 SurfaceLabelOptions MaxDistance(int reach_px) {

@@ -46,14 +46,11 @@ BacklogItem Item(std::uint32_t frame) {
 
 TrackedFrame Tracked(std::uint32_t frame) { return {FrameId{frame}, SeeBoard({20, 40}), {}, nullptr}; }
 
-// A depth grid without samples: propagation throws.
+// With a view that was not made as it should be: propagation throws.
 TrackedFrame BrokenFrame(std::uint32_t frame) {
-  const DepthGrid without_samples{80, 60, {}};
-  return {FrameId{frame},
-          std::make_shared<const FrameData>(TestCamera(), std::vector<Keypoint>{}, std::vector<Descriptor>{},
-                                            without_samples),
-          {},
-          nullptr};
+  TrackedFrame broken = Tracked(frame);
+  broken.views = std::make_shared<const std::vector<DepthView>>(1, DepthView{FrameId{0}, broken.data, {}, {}, {}});
+  return broken;
 }
 
 // Its keypoints do not fit its mask: applying the round throws.

@@ -27,12 +27,13 @@ struct SystemOptions {
 
 struct SemanticOptions {
   SelectionMode selection = SelectionMode::kBidirectional;
-  int per_round = 2;                    // keyframes selected in a round
-  bool batch = true;                    // in one request, or one by one
-  int backlog = 60;                     // images of unlabeled keyframes kept at most
-  int start_frames = 30;                // frames at most that the first keyframe stays alone for want of a label
-  int dilation_px = 15;                 // radius at an image width of 640
-  double completion_step_ratio = 0.04;  // unsure pixels join dynamic ones over steps in depth of at most this share
+  int per_round = 2;      // keyframes selected in a round
+  bool batch = true;      // in one request, or one by one
+  int backlog = 60;       // images of unlabeled keyframes kept at most
+  int start_frames = 30;  // frames at most that the first keyframe stays alone for want of a label
+  int dilation_px = 15;   // radius at an image width of 640
+  double completion_step_ratio =
+      depth_ratio::kNextUnsure;  // unsure pixels join dynamic ones over steps in depth of at most this share
   FreeSpaceOptions free_space;
   double max_mask_ratio = 0.95;   // a mask that covers more says nothing
   double finish_timeout_s = 5;    // for labels still missing when the sequence ends

@@ -28,14 +28,15 @@ struct Board {
 // A frame of TestCamera that sees a wall at 3 m and the board before it.
 inline std::shared_ptr<const FrameData> SeeBoard(const Board& board, std::vector<Keypoint> keypoints = {},
                                                  float board_depth_m = kBoardDepth) {
-  DepthGrid grid{kBoardColumns, kBoardRows, {}};
+  std::vector<float> depth_m;
   for (int row = 0; row < kBoardRows; ++row) {
     for (int column = 0; column < kBoardColumns; ++column) {
-      grid.depth_m.push_back(board.Covers(column, row) ? board_depth_m : kWallDepth);
+      depth_m.push_back(board.Covers(column, row) ? board_depth_m : kWallDepth);
     }
   }
   std::vector<Descriptor> descriptors(keypoints.size());
-  return std::make_shared<const FrameData>(TestCamera(), std::move(keypoints), std::move(descriptors), std::move(grid));
+  return std::make_shared<const FrameData>(TestCamera(), std::move(keypoints), std::move(descriptors),
+                                           DepthGrid(kBoardColumns, kBoardRows, std::move(depth_m)));
 }
 
 // The sample of a row of kBoardColumns a sample.

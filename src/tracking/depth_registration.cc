@@ -17,10 +17,8 @@ constexpr int kIterations = 4;     // of Gauss-Newton
 constexpr int kLeastSamples = 50;  // fewer that lie on a surface of the other view say nothing
 constexpr float kNearest_m = 0.3F;
 constexpr float kFarthest_m = 4;  // depth says little beyond
-constexpr double kGate = 0.04;    // share of the depth by which a sample may be off a plane that it is said to lie on
 constexpr double kHuber = 2;      // standard deviations
 constexpr int kReach = 3;         // samples to each side that make a plane: fewer, and noise makes its normal
-constexpr float kBend = 0.02F;    // share of the depth by which the sides may bend
 
 // Standard deviation of a sample's distance from the plane that it is said to lie on: 3 mm for the nearest. The noise
 // of structured-light depth grows with the square of the depth (Khoshelham and Oude Elberink, Sensors 2012), and what
@@ -29,8 +27,7 @@ constexpr float kBend = 0.02F;    // share of the depth by which the sides may b
 double PlaneSigma(double depth_m) { return 0.003 + 0.0015 * depth_m * depth_m * depth_m; }
 
 Eigen::Vector3d PointAt(const PinholeCamera& camera, int column, int row, double depth_m) {
-  return camera.Unproject({column * kDepthGridStep + kDepthGridStep / 2.0, row * kDepthGridStep + kDepthGridStep / 2.0},
-                          depth_m);
+  return camera.Unproject({DepthGrid::MiddlePixel(column), DepthGrid::MiddlePixel(row)}, depth_m);
 }
 
 struct Plane {
@@ -41,21 +38,22 @@ struct Plane {
 // The surface around a sample, in the frame of the camera; nothing at edges and where it bends. On a plane the inverse
 // of the depth is linear in the image.
 std::optional<Plane> PlaneAt(const PinholeCamera& camera, const DepthGrid& grid, int column, int row) {
-  if (column < kReach || row < kReach || column >= grid.columns - kReach || row >= grid.rows - kReach) {
+  if (column < kReach || row < kReach || column >= grid.columns() - kReach || row >= grid.rows() - kReach) {
     return std::nullopt;
   }
-  const float* const depth_m = &grid.depth_m[static_cast<std::size_t>(row * grid.columns + column)];
+  const float* const depth_m = &grid.depth_m()[grid.Index(column, row)];
   const float center = depth_m[0];
   const float left = depth_m[-kReach];
   const float right = depth_m[kReach];
-  const float up = depth_m[-kReach * grid.columns];
-  const float down = depth_m[kReach * grid.columns];
+  const float up = depth_m[-kReach * grid.columns()];
+  const float down = depth_m[kReach * grid.columns()];
   if (!(center > 0 && left > 0 && right > 0 && up > 0 && down > 0)) {
     return std::nullopt;
   }
   const float across = 2 / (1 / left + 1 / right);
   const float along = 2 / (1 / up + 1 / down);
-  if (std::abs(across - center) > kBend * center || std::abs(along - center) > kBend * center) {
+  if (std::abs(across - center) > depth_ratio::kBend * center ||
+      std::abs(along - center) > depth_ratio::kBend * center) {
     return std::nullopt;
   }
   const auto at = [&](int columns, int rows, float depth) {
@@ -74,16 +72,14 @@ struct Sample {
 std::vector<Sample> CollectSamples(const FrameData& frame, std::span<const std::uint8_t> usable) {
   const DepthGrid& grid = frame.depth_grid();
   std::vector<Sample> samples;
-  for (int row = kRegistrationStep / 2; row < grid.rows; row += kRegistrationStep) {
-    for (int column = kRegistrationStep / 2; column < grid.columns; column += kRegistrationStep) {
-      const auto i = static_cast<std::size_t>(row * grid.columns + column);
-      const float depth_m = grid.depth_m[i];
-      if (depth_m > kNearest_m && depth_m < kFarthest_m && (usable.empty() || usable[i] != 0)) {
-        const auto depth = static_cast<double>(depth_m);
-        samples.push_back({PointAt(frame.camera(), column, row, depth), PlaneSigma(depth)});
-      }
+  const auto collect = [&](int column, int row) {
+    const std::size_t i = grid.Index(column, row);
+    if (grid[i] > kNearest_m && grid[i] < kFarthest_m && (usable.empty() || usable[i] != 0)) {
+      const auto depth_m = static_cast<double>(grid[i]);
+      samples.push_back({PointAt(frame.camera(), column, row, depth_m), PlaneSigma(depth_m)});
     }
-  }
+  };
+  grid.ForEach(collect, kRegistrationStep);
   return samples;
 }
 
@@ -105,7 +101,7 @@ Fit Evaluate(const std::vector<Sample>& samples, const FrameData& view, const Ri
       continue;
     }
     const Eigen::Vector2d place = camera.Project(point) / kDepthGridStep;
-    if (!(place.x() >= 0 && place.y() >= 0 && place.x() < grid.columns && place.y() < grid.rows)) {
+    if (!(place.x() >= 0 && place.y() >= 0 && place.x() < grid.columns() && place.y() < grid.rows())) {
       continue;
     }
     const auto plane = PlaneAt(camera, grid, static_cast<int>(place.x()), static_cast<int>(place.y()));
@@ -113,7 +109,7 @@ Fit Evaluate(const std::vector<Sample>& samples, const FrameData& view, const Ri
       continue;
     }
     const double off_m = plane->normal.dot(point - plane->point);
-    if (std::abs(off_m) > kGate * point.z()) {
+    if (std::abs(off_m) > depth_ratio::kPlane * point.z()) {
       continue;
     }
     const double deviations = std::abs(off_m) / sample.sigma_m;

@@ -28,9 +28,9 @@ std::shared_ptr<const FrameData> SeePlanes(const std::vector<TestPlane>& planes,
   const PinholeCamera camera = TestCamera();
   const Rigid3 world_from_camera = camera_from_world.Inverse();
   Random random(seed);
-  DepthGrid grid{kBoardColumns, kBoardRows, {}};
-  for (int row = 0; row < grid.rows; ++row) {
-    for (int column = 0; column < grid.columns; ++column) {
+  std::vector<float> depth_m;
+  for (int row = 0; row < kBoardRows; ++row) {
+    for (int column = 0; column < kBoardColumns; ++column) {
       const Eigen::Vector3d ray = world_from_camera.rotation * camera.Unproject({8 * column + 4.0, 8 * row + 4.0}, 1);
       double nearest = std::numeric_limits<double>::max();
       for (const TestPlane& plane : planes) {
@@ -39,10 +39,11 @@ std::shared_ptr<const FrameData> SeePlanes(const std::vector<TestPlane>& planes,
         nearest = depth > 0 ? std::min(nearest, depth) : nearest;
       }
       nearest += noise * 0.0015 * nearest * nearest * random.Gaussian(0, 1);
-      grid.depth_m.push_back(static_cast<float>(nearest));
+      depth_m.push_back(static_cast<float>(nearest));
     }
   }
-  return std::make_shared<const FrameData>(camera, std::vector<Keypoint>{}, std::vector<Descriptor>{}, std::move(grid));
+  return std::make_shared<const FrameData>(camera, std::vector<Keypoint>{}, std::vector<Descriptor>{},
+                                           DepthGrid(kBoardColumns, kBoardRows, std::move(depth_m)));
 }
 
 PosePrior Within(const Rigid3& camera_from_world, double meters, double radians) {
