@@ -48,8 +48,8 @@ Eigen::Matrix3d LeftJacobianSo3(const Eigen::Vector3d& w) {
          (angle - std::sin(angle)) / (angle2 * angle) * cross * cross;
 }
 
-Rigid3 Perturb(const Eigen::Matrix<double, 6, 1>& delta, const Rigid3& pose) {
-  return {(ExpSo3(delta.tail<3>()) * pose.rotation).normalized(), pose.translation + delta.head<3>()};
+Rigid3 Retract(const Tangent6& delta, const Rigid3& b_from_a) {
+  return Rigid3{ExpSo3(delta.tail<3>()), delta.head<3>()} * b_from_a;
 }
 
 double AngleOf(const Eigen::Quaterniond& q) { return 2.0 * std::atan2(q.vec().norm(), std::abs(q.w())); }

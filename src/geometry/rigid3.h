@@ -29,9 +29,14 @@ Eigen::Vector3d LogSo3(const Eigen::Quaterniond& q);
 // Left Jacobian of SO(3): exp(w + dw) = exp(J dw) exp(w) to first order.
 Eigen::Matrix3d LeftJacobianSo3(const Eigen::Vector3d& w);
 
-// Applies a small change on the left, decoupled: rotation <- exp(delta.tail<3>) rotation, translation <- translation +
-// delta.head<3>. Order (translation in meters, rotation in radians).
-Rigid3 Perturb(const Eigen::Matrix<double, 6, 1>& delta, const Rigid3& pose);
+// A small motion of the frame that a transform leads to, (translation in meters, rotation vector in radians): the one
+// tangent of SE(3) that this project uses. Residuals, Jacobians and information matrices of poses are in it.
+using Tangent6 = Eigen::Matrix<double, 6, 1>;
+using Information6 = Eigen::Matrix<double, 6, 6>;  // inverse covariance of a Tangent6
+
+// Moves a pose from the left: x_in_b <- exp(delta.tail<3>) x_in_b + delta.head<3>. To first order the point moves by
+// delta.head<3> + delta.tail<3> x x_in_b.
+Rigid3 Retract(const Tangent6& delta, const Rigid3& b_from_a);
 
 // Angle of a rotation in radians, in [0, pi].
 double AngleOf(const Eigen::Quaterniond& q);

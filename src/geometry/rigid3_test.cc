@@ -103,25 +103,25 @@ TEST(Rigid3, StaysNormalizedInLongChains) {
   EXPECT_NEAR(pose.rotation.norm(), 1, 1e-15);
 }
 
-TEST(Perturb, IsDecoupledAndOnTheLeft) {
+TEST(Retract, IsAMotionFromTheLeft) {
   Random random(5);
   const Rigid3 pose = RandomPose(&random);
   Eigen::Matrix<double, 6, 1> delta;
   delta << 0.1, 0.2, -0.3, 0.3, -0.2, 0.5;
-  const Rigid3 moved = Perturb(delta, pose);
-  EXPECT_TRUE(moved.translation.isApprox(pose.translation + delta.head<3>(), 1e-15));
-  EXPECT_TRUE(
-      moved.RotationMatrix().isApprox(ExpSo3(delta.tail<3>()).toRotationMatrix() * pose.RotationMatrix(), 1e-14));
+  const Rigid3 moved = Retract(delta, pose);
+  const Eigen::Vector3d point(1, 2, 3);
+  EXPECT_TRUE((moved * point).isApprox(ExpSo3(delta.tail<3>()) * (pose * point) + delta.head<3>(), 1e-14));
+  EXPECT_EQ(Retract(Tangent6::Zero(), Rigid3{}).translation, Eigen::Vector3d::Zero());
 }
 
-TEST(Perturb, DerivativeOfAMovedPointMatchesDifferences) {
+TEST(Retract, DerivativeOfAMovedPointMatchesDifferences) {
   Random random(6);
   const Rigid3 pose = RandomPose(&random);
   const Eigen::Vector3d point = RandomVector(&random);
   Eigen::Matrix<double, 3, 6> analytic;
-  analytic << Eigen::Matrix3d::Identity(), -CrossMatrix(pose.rotation * point);
+  analytic << Eigen::Matrix3d::Identity(), -CrossMatrix(pose * point);
   using Vector6 = Eigen::Matrix<double, 6, 1>;
-  const auto moved = [&](const Vector6& delta) -> Eigen::Vector3d { return Perturb(delta, pose) * point; };
+  const auto moved = [&](const Vector6& delta) -> Eigen::Vector3d { return Retract(delta, pose) * point; };
   EXPECT_LT((analytic - NumericJacobian<3, 6>(moved, Vector6::Zero().eval())).norm(), 1e-8);
 }
 

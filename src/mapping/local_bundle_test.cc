@@ -53,7 +53,7 @@ struct Scene {
         value = k == 0 ? 0 : random.Uniform(-0.02, 0.02);
       }
       const auto frame = static_cast<std::uint32_t>(k);
-      const KeyframeId id = map.AddKeyframe(FrameId{frame}, 0.1 * frame, Perturb(error, Truth(k)), data);
+      const KeyframeId id = map.AddKeyframe(FrameId{frame}, 0.1 * frame, Retract(error, Truth(k)), data);
       for (std::uint32_t i = 0; i < kPoints; ++i) {
         if (k == 0) {
           map.AddPoint(points[i] + Eigen::Vector3d(random.Uniform(-0.005, 0.005), 0.003, 0.005), id, i);

@@ -39,7 +39,7 @@ Scene MakeScene(int poses, int fixed, int points, double pose_error, double poin
       value = random.Gaussian(0, pose_error);
     }
     scene.true_poses.push_back(pose);
-    scene.problem.poses.push_back({i < fixed ? pose : Perturb(error, pose), i < fixed});
+    scene.problem.poses.push_back({i < fixed ? pose : Retract(error, pose), i < fixed});
   }
   while (scene.true_points.size() < static_cast<std::size_t>(points)) {
     const Eigen::Vector3d point(random.Uniform(-2, 2), random.Uniform(-1.5, 1.5), random.Uniform(1.5, 4));

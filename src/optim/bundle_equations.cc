@@ -165,12 +165,11 @@ void BundleEquations::Linearize(bool robust) {
   }
 }
 
-// With p = q + t, q = R X, the point in the camera, and A = G^T W G, c = G^T W r, where G is the derivative of the
-// residual r by p: dp = dt + w x q + R dX for a change (dt, w) of the pose by Perturb and dX of the point.
+// With p = R X + t, the point in the camera, and A = G^T W G, c = G^T W r, where G is the derivative of the residual r by
+// p: dp = dt + w x p + R dX for a motion (dt, w) of the camera (Retract) and dX of the point.
 void BundleEquations::LinearizeTerm(const Term& term, bool robust, Landmark* landmark) {
   const Camera& camera = cameras_[term.pose];
-  const Eigen::Vector3d rotated = camera.rotation * points_[landmark->point];
-  const Eigen::Vector3d in_camera = rotated + camera.from_world.translation;
+  const Eigen::Vector3d in_camera = camera.rotation * points_[landmark->point] + camera.from_world.translation;
   const Eigen::Vector3d error = ReprojectionError(problem_.camera, term.keypoint, in_camera);
   const Eigen::Matrix3d by_point = ReprojectionJacobian(problem_.camera, term.keypoint, in_camera);
   const double squared = term.scale2 * error.squaredNorm();
@@ -187,14 +186,14 @@ void BundleEquations::LinearizeTerm(const Term& term, bool robust, Landmark* lan
   if (term.link == kNone) {
     return;
   }
-  const Eigen::Matrix3d cross = CrossMatrix(rotated);
+  const Eigen::Matrix3d cross = CrossMatrix(in_camera);
   const Eigen::Matrix3d rotation_by_translation = cross * information;
   Link& link = links_[term.link];
   link.block.topRows<3>() += translation_by_point;
   link.block.bottomRows<3>().noalias() += cross * translation_by_point;
   FreePose& pose = free_[link.slot];
   pose.gradient.head<3>() += gradient;
-  pose.gradient.tail<3>() += rotated.cross(gradient);
+  pose.gradient.tail<3>() += in_camera.cross(gradient);
   pose.hessian.topLeftCorner<3, 3>() += information;  // the lower triangle is enough
   pose.hessian.bottomLeftCorner<3, 3>() += rotation_by_translation;
   pose.hessian.bottomRightCorner<3, 3>().noalias() -= rotation_by_translation * cross;
@@ -265,7 +264,7 @@ void BundleEquations::TakeStep() {
   points_before_ = points_;
   for (std::size_t slot = 0; slot < free_.size(); ++slot) {
     Camera& camera = cameras_[free_[slot].pose];
-    camera = Camera(Perturb(pose_step_.segment<6>(static_cast<Eigen::Index>(6 * slot)), camera.from_world));
+    camera = Camera(Retract(pose_step_.segment<6>(static_cast<Eigen::Index>(6 * slot)), camera.from_world));
   }
   for (std::size_t i = 0; i < point_step_.size(); ++i) {
     points_[landmarks_[i].point] += point_step_[i];

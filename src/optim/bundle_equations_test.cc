@@ -51,7 +51,7 @@ BundleProblem MakeProblem(double error_px) {
 // Applies a change of the free poses, then the points.
 void Move(const Eigen::VectorXd& change, std::vector<Rigid3>* poses, std::vector<Eigen::Vector3d>* points) {
   for (std::size_t i = kFixed; i < kPoses; ++i) {
-    (*poses)[i] = Perturb(change.segment<6>(6 * static_cast<Eigen::Index>(i - kFixed)), (*poses)[i]);
+    (*poses)[i] = Retract(change.segment<6>(6 * static_cast<Eigen::Index>(i - kFixed)), (*poses)[i]);
   }
   for (std::size_t i = 0; i < kPoints; ++i) {
     (*points)[i] += change.segment<3>(6 * (kPoses - kFixed) + 3 * static_cast<Eigen::Index>(i));

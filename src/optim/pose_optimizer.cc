@@ -37,7 +37,7 @@ struct Block {
   Lanes information;    // weight^2 inverse_sigma2, 0 = does not take part
 };
 
-// Normal equations at a pose: cost(Perturb(delta, pose)) ~ cost + 2 gradient . delta + delta . hessian delta.
+// Normal equations at a pose: cost(Retract(delta, pose)) ~ cost + 2 gradient . delta + delta . hessian delta.
 struct NormalEquations {
   Matrix6 hessian;
   Vector6 gradient;
@@ -148,8 +148,8 @@ int Problem::Activate(const Rigid3& camera_from_world, const std::vector<std::ui
   return count;
 }
 
-// Each observation's residual depends on the pose through the camera point p = q + t, q = R X, alone. With A = G^T W G,
-// c = G^T W r, where G is the 3x3 derivative of the residual by p, a change (dt, w) of the pose gives
+// Each observation's residual depends on the pose through the camera point q = R X + t alone. With A = G^T W G,
+// c = G^T W r, where G is the 3x3 derivative of the residual by q, a motion (dt, w) of the camera gives
 //   hessian = [A, A [q]x^T; [q]x A, [q]x A [q]x^T],  gradient = [c; q x c]
 // which needs a third of the operations of J^T W J.
 NormalEquations Problem::Evaluate(const Rigid3& camera_from_world, bool robust) const {
@@ -166,13 +166,13 @@ NormalEquations Problem::Evaluate(const Rigid3& camera_from_world, bool robust) 
   Lanes b20 = cost, b21 = cost, b22 = cost;
   Lanes e00 = cost, e01 = cost, e02 = cost, e11 = cost, e12 = cost, e22 = cost;  // [q]x A [q]x^T
   for (const Block& block : blocks_) {
-    const Lanes qx = r(0, 0) * block.x + r(0, 1) * block.y + r(0, 2) * block.z;
-    const Lanes qy = r(1, 0) * block.x + r(1, 1) * block.y + r(1, 2) * block.z;
-    const Lanes qz = r(2, 0) * block.x + r(2, 1) * block.y + r(2, 2) * block.z;
+    const Lanes qx = r(0, 0) * block.x + r(0, 1) * block.y + r(0, 2) * block.z + t.x();
+    const Lanes qy = r(1, 0) * block.x + r(1, 1) * block.y + r(1, 2) * block.z + t.y();
+    const Lanes qz = r(2, 0) * block.x + r(2, 1) * block.y + r(2, 2) * block.z + t.z();
     // A point that a step carries behind the camera gets a huge residual: the step is rejected.
-    const Lanes inverse_z = (qz + t.z()).max(kMinReprojectionDepth_m).inverse();
-    const Lanes x = (qx + t.x()) * inverse_z;
-    const Lanes y = (qy + t.y()) * inverse_z;
+    const Lanes inverse_z = qz.max(kMinReprojectionDepth_m).inverse();
+    const Lanes x = qx * inverse_z;
+    const Lanes y = qy * inverse_z;
     const Lanes projected_u = fx * x + camera_.cx;
     const Lanes error_u = block.u - projected_u;
     const Lanes error_v = block.v - (fy * y + camera_.cy);
@@ -283,7 +283,7 @@ void Minimize(const Problem& problem, bool robust, int iterations, double small_
     Matrix6 scaled = ScaledToUnitDiagonal(equations->hessian, &scale);
     scaled.diagonal().array() += damping;
     const Vector6 step = scale.cwiseProduct(scaled.ldlt().solve(-scale.cwiseProduct(equations->gradient)));
-    const Rigid3 candidate = Perturb(step, *pose);
+    const Rigid3 candidate = Retract(step, *pose);
     const NormalEquations next = problem.Evaluate(candidate, robust);
     if (!(next.cost <= equations->cost)) {
       if (step.lpNorm<Eigen::Infinity>() < small_step) {
@@ -303,20 +303,6 @@ void Minimize(const Problem& problem, bool robust, int iterations, double small_
 }
 
 }  // namespace
-
-bool PoseResidual(const PinholeCamera& camera, const Rigid3& camera_from_world, const PoseObservation& observation,
-                  Eigen::Vector3d* residual_px, Eigen::Matrix<double, 3, 6>* jacobian) {
-  const Eigen::Vector3d rotated = camera_from_world.rotation * observation.point_in_world;
-  const Eigen::Vector3d point = rotated + camera_from_world.translation;
-  if (!(point.z() > 0)) {
-    return false;
-  }
-  const Eigen::Matrix3d by_point = ReprojectionJacobian(camera, observation.keypoint, point);
-  *residual_px = ReprojectionError(camera, observation.keypoint, point);
-  jacobian->leftCols<3>() = by_point;
-  jacobian->rightCols<3>() = -by_point * CrossMatrix(rotated);
-  return true;
-}
 
 PoseResult OptimizePose(const PinholeCamera& camera, const Rigid3& initial_camera_from_world,
                         std::span<const PoseObservation> observations, const PoseOptimizerOptions& options,

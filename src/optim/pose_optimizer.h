@@ -29,12 +29,6 @@ struct PoseResult {
       Eigen::Matrix<double, 6, 6>::Zero();  // J^T W J at the end, (t, w) order, with the prior's
 };
 
-// Residual of one observation and its 3x6 Jacobian by Perturb (geometry/rigid3.h), unweighted, unscaled by sigma.
-// Row 3 is zero for observations without depth. False if the point is behind the camera (z <= 0).
-[[nodiscard]] bool PoseResidual(const PinholeCamera& camera, const Rigid3& camera_from_world,
-                                const PoseObservation& observation, Eigen::Vector3d* residual_px,
-                                Eigen::Matrix<double, 3, 6>* jacobian);
-
 // Levenberg-Marquardt with Huber kernels in rounds of inlier classification; the motion-only bundle adjustment of
 // ORB-SLAM (Mur-Artal et al., T-RO 2015, section V) with the weight of RDS-SLAM's equation 6. What is known beforehand
 // (or null) counts like an observation that is never an outlier. Re-entrant.

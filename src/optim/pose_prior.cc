@@ -12,9 +12,9 @@ Eigen::Matrix<double, 6, 1> PriorResidual(const PosePrior& prior, const Rigid3& 
   Eigen::Matrix<double, 6, 1> residual;
   residual << d.translation, LogSo3(d.rotation);
   if (jacobian != nullptr) {
-    // d.translation = t - d.rotation t_mean
+    // d <- motion * d
     jacobian->setIdentity();
-    jacobian->topRightCorner<3, 3>() = CrossMatrix(camera_from_world.translation - d.translation);
+    jacobian->topRightCorner<3, 3>() = -CrossMatrix(d.translation);
     jacobian->bottomRightCorner<3, 3>() = LeftJacobianSo3(residual.tail<3>()).inverse();
   }
   return residual;

@@ -12,10 +12,10 @@ namespace rds {
 // (d.translation in meters, log d.rotation in radians) has zero mean and this information (inverse covariance).
 struct PosePrior {
   Rigid3 camera_from_world;  // the mean
-  Eigen::Matrix<double, 6, 6> information = Eigen::Matrix<double, 6, 6>::Zero();
+  Information6 information = Information6::Zero();
 };
 
-// The residual at a pose; with a Jacobian, its derivative by Perturb (geometry/rigid3.h), too.
+// The residual at a pose; with a Jacobian, its derivative by Retract (geometry/rigid3.h), too.
 [[nodiscard]] Eigen::Matrix<double, 6, 1> PriorResidual(const PosePrior& prior, const Rigid3& camera_from_world,
                                                         Eigen::Matrix<double, 6, 6>* jacobian = nullptr);
 

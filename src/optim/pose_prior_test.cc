@@ -29,7 +29,7 @@ TEST(PosePrior, TheJacobianMatchesDifferences) {
     const Rigid3 pose = Rigid3{ExpSo3(size * Eigen::Vector3d(1, -0.5, 0.7)), {size, -size, 2 * size}} * kMean;
     Matrix6 jacobian;
     EXPECT_TRUE(PriorResidual(prior, pose, &jacobian).allFinite());
-    const auto residual = [&](const Vector6& delta) -> Vector6 { return PriorResidual(prior, Perturb(delta, pose)); };
+    const auto residual = [&](const Vector6& delta) -> Vector6 { return PriorResidual(prior, Retract(delta, pose)); };
     const Matrix6 expected = NumericJacobian<6, 6>(residual, Vector6::Zero());
     EXPECT_LT((jacobian - expected).norm(), 1e-6) << size;
   }

@@ -35,7 +35,7 @@ struct Scene {
   Map map{ScalePyramid()};
   SemanticOptimizerOptions options;
   Rigid3 truth{ExpSo3({0.02, -0.1, 0.01}), {0.3, 0.05, -0.1}};
-  Rigid3 wrong = Perturb((Eigen::Matrix<double, 6, 1>() << 0.04, -0.03, 0.03, 0.02, 0.02, -0.02).finished(), truth);
+  Rigid3 wrong = Retract((Eigen::Matrix<double, 6, 1>() << 0.04, -0.03, 0.03, 0.02, 0.02, -0.02).finished(), truth);
   Eigen::Vector3d own{0.2, 0.1, 2.2};  // of the free keypoint
   KeyframeId root;
   KeyframeId second;

@@ -145,7 +145,7 @@ PosePrior RegisterDepth(const FrameData& frame, std::span<const std::uint8_t> us
     if (!step.allFinite()) {
       return prior;
     }
-    result.camera_from_world = Rigid3{ExpSo3(step.tail<3>()), step.head<3>()} * result.camera_from_world;
+    result.camera_from_world = Retract(step, result.camera_from_world);
   }
 }
 
