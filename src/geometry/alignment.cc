@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "geometry/alignment.h"
 
-#include <Eigen/SVD>
+#include <Eigen/Geometry>
+#include <cmath>
 
 #include "base/error.h"
 
@@ -18,25 +19,14 @@ Alignment Align(std::span<const Eigen::Vector3d> source, std::span<const Eigen::
     from.col(i) = source[static_cast<std::size_t>(i)];
     to.col(i) = target[static_cast<std::size_t>(i)];
   }
-  const Eigen::Vector3d from_mean = from.rowwise().mean();
-  const Eigen::Vector3d to_mean = to.rowwise().mean();
-  from.colwise() -= from_mean;
-  to.colwise() -= to_mean;
-  const double n = static_cast<double>(count);
-  const Eigen::Matrix3d covariance = to * from.transpose() / n;
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Eigen::Vector3d sign = Eigen::Vector3d::Ones();
-  if (svd.matrixU().determinant() * svd.matrixV().determinant() < 0) {
-    sign.z() = -1;
-  }
-  const Eigen::Matrix3d rotation = svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose();
-  const double variance = from.squaredNorm() / n;
+  // A single place, seen many times, has no scale.
+  const bool scalable = (from.colwise() - from.col(0)).squaredNorm() > 0;
+  const Eigen::Matrix4d target_from_source = Eigen::umeyama(from, to, with_scale && scalable);
   Alignment result;
-  if (with_scale && variance > 0) {
-    result.scale = svd.singularValues().dot(sign) / variance;
-  }
-  result.target_from_source.rotation = Eigen::Quaterniond(rotation).normalized();
-  result.target_from_source.translation = to_mean - result.scale * (rotation * from_mean);
+  const Eigen::Matrix3d linear = target_from_source.topLeftCorner<3, 3>();
+  result.scale = with_scale && scalable ? std::cbrt(linear.determinant()) : 1;
+  result.target_from_source.rotation = Eigen::Quaterniond(Eigen::Matrix3d(linear / result.scale)).normalized();
+  result.target_from_source.translation = target_from_source.topRightCorner<3, 1>();
   return result;
 }
 
