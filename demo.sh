@@ -36,12 +36,6 @@ row("tracking time, median", [f"{r['tracking_ms']['median']:.1f}" for r in repor
 PYTHON
 }
 
-show_files() {
-  local folder=$1
-  say "  trajectory  $folder/trajectory.txt"
-  say "  report      $folder/report.json"
-  say "  picture     $folder/trajectory.svg"
-}
 
 synthetic_demo() {
   local sequence=$OUT/demo/sequence without=$OUT/demo/without_semantics with=$OUT/demo/with_semantics
@@ -52,23 +46,21 @@ synthetic_demo() {
     "$RDS" synth --out "$sequence" --scenario walking
   fi
   say "" "SLAM without semantics"
-  "$RDS" run "$sequence" --out "$without" --segmenter none
+  "$RDS" run "$sequence" --out "$without" --segmenter none \
+    --video "$without/video.mp4" --still "$without/last_frame.png"
   say "" "SLAM with semantics (masks from the sequence, 200 ms late)"
   "$RDS" run "$sequence" --out "$with" --segmenter stored --set semantic.stored.delay_ms=200 \
     --video "$with/video.mp4" --still "$with/last_frame.png"
   say ""
   compare "$without" "$with"
-  say "" "Without semantics:"
-  show_files "$without"
-  say "With semantics:"
-  show_files "$with"
-  say "  video       $with/video.mp4, its last picture $with/last_frame.png"
+  say "" "$without and" "$with hold:" \
+    "  trajectory.txt  trajectory.svg  report.json  video.mp4  last_frame.png (of the video)"
 }
 
-# The weights of the default segmenter, from a folder beside the repository where there is one (RDS_SHARED names it).
+# The weights of the default segmenter; from the folder that RDS_SHARED names, where it has them.
 fetch_weights() {
-  local models=${RDS_SHARED:-$ROOT/../shared}/models
-  if [ -z "${RDS_WEIGHTS_URL:-}" ] && [ -d "$models" ]; then
+  local models=${RDS_SHARED:+$RDS_SHARED/models}
+  if [ -z "${RDS_WEIGHTS_URL:-}" ] && [ -n "$models" ] && [ -d "$models" ]; then
     export RDS_WEIGHTS_URL=file://$(realpath "$models")
   fi
   "$RDS" fetch weights || say "going on without them"

@@ -4,8 +4,8 @@
 
     kitchen_test.py RDS WORK_FOLDER make|static|walking|lockstep|threaded
 
-The recordings are not part of the repository: RDS_SHARED names the folder that has bench/make_sequences.py (default:
-shared/ beside the repository). Without it every test is skipped (exit code 77). `make` builds the sequences first.
+The recordings are not part of the repository: RDS_SHARED names the folder that has bench/make_sequences.py. Without it
+every test is skipped (exit code 77). `make` builds the sequences first.
 """
 import json
 import os
@@ -14,8 +14,7 @@ import shutil
 import subprocess
 import sys
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
-SHARED = pathlib.Path(os.environ.get("RDS_SHARED", ROOT.parent / "shared"))
+SHARED = pathlib.Path(os.environ.get("RDS_SHARED", "RDS_SHARED is not set"))
 SEQUENCES = ["kitchen_static", "kitchen_walking"]
 FRAMES = 300
 

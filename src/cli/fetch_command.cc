@@ -11,6 +11,8 @@
 
 #include "base/error.h"
 #include "base/suggest.h"
+#include "base/time.h"
+#include "cli/progress_line.h"
 #include "io/weights_fetch.h"
 #include "segmentation/weights.h"
 
@@ -33,26 +35,18 @@ const PublishedWeights& WeightsOf(const std::string& name) {
                                fmt::join(Names(), " and ")));
 }
 
-// One line, rewritten at each percent on a terminal; elsewhere nothing until the end.
 class FetchProgress {
  public:
   void Update(std::int64_t done, std::int64_t total) {
-    const auto percent = static_cast<int>(100 * done / total);
-    if (terminal_ && percent != shown_) {
-      shown_ = percent;
-      std::cerr << fmt::format("\r{:3} % of {:.1f} MB", percent, 1e-6 * static_cast<double>(total)) << std::flush;
-    }
-  }
-  // Ends the line; also when the download is given up.
-  ~FetchProgress() {
-    if (shown_ >= 0) {
-      std::cerr << "\n";
+    const double now_s = clock_.Seconds();
+    if (line_.IsDue(now_s) || done == total) {
+      line_.Show(now_s, fmt::format("{:3} % of {:.1f} MB", 100 * done / total, 1e-6 * static_cast<double>(total)));
     }
   }
 
  private:
-  const bool terminal_ = isatty(STDERR_FILENO) == 1;
-  int shown_ = -1;
+  ProgressLine line_{std::cerr, isatty(STDERR_FILENO) == 1};
+  Stopwatch clock_;
 };
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <iosfwd>
 #include <string>
 
+#include "cli/progress_line.h"
 #include "system/frame.h"
 
 namespace rds {
@@ -23,8 +24,7 @@ class FrameRateMeter {
   std::deque<double> times_s_;
 };
 
-// Prints at most ten times a second on a terminal (one line, rewritten) and every two seconds elsewhere. Not
-// thread-safe.
+// Prints as ProgressLine does. Not thread-safe.
 class Progress {
  public:
   Progress(std::ostream& out, bool terminal, std::size_t frames);
@@ -37,14 +37,12 @@ class Progress {
  private:
   void Print();
 
-  std::ostream& out_;
-  const bool terminal_;
+  ProgressLine line_;
   const std::size_t frames_;
   std::size_t done_ = 0;
   FrameResult newest_;  // without features
   FrameRateMeter rate_;
   double elapsed_s_ = 0;
-  double printed_at_s_ = 0;
   std::size_t printed_done_ = 0;
 };
 

@@ -146,20 +146,8 @@ Json RunReport(const RunDescription& description, const PlaybackResult& playback
   return report;
 }
 
-std::string ToString(TrackingState state) {
-  switch (state) {
-    case TrackingState::kNotInitialized:
-      return "not_initialized";
-    case TrackingState::kTracked:
-      return "tracked";
-    case TrackingState::kLost:
-      return "lost";
-  }
-  throw InvariantError("unknown tracking state");
-}
-
 std::string FramesCsv(const PlaybackResult& playback, const std::string& run_id) {
-  Check(playback.frames.size() == playback.start_delay_ms.size(), "a lateness for each frame");
+  Check(playback.frames.size() == playback.start_delay_ms.size(), "a start delay for each frame");
   std::string csv =
       "frame,timestamp_s,state,total_ms,extraction_ms,matching_ms,pose_ms,local_map_ms,cpu_ms,static_matches,"
       "unknown_matches,rejected_matches,keyframe,semantic_delay_frames,start_delay_ms,run\n";

@@ -51,7 +51,4 @@ inline constexpr double kLate_ms = 10;
 // A value of each frame's timing as a series.
 [[nodiscard]] std::vector<double> TimingSeries(const std::vector<FrameResult>& frames, double FrameTiming::*member);
 
-// "tracked", "lost" or "not_initialized".
-[[nodiscard]] std::string ToString(TrackingState state);
-
 }  // namespace rds

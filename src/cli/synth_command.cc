@@ -13,6 +13,7 @@
 #include "base/error.h"
 #include "base/time.h"
 #include "cli/command.h"
+#include "cli/progress_line.h"
 #include "io/atomic_file.h"
 #include "synth/synthetic_sequence.h"
 
@@ -78,28 +79,22 @@ SyntheticOptions OptionsFrom(const SynthArguments& arguments) {
   return options;
 }
 
-// Shows how far the writing is: one line rewritten on a terminal, a line every two seconds elsewhere.
+// Shows how far the writing is.
 class WritingProgress {
  public:
-  explicit WritingProgress(int frames) : frames_(frames), terminal_(isatty(STDERR_FILENO) == 1) {}
+  explicit WritingProgress(int frames) : frames_(frames) {}
 
   void Update(int done) {
     const double now_s = clock_.Seconds();
-    if (done < frames_ && now_s < printed_at_s_ + (terminal_ ? 0.1 : 2.0)) {
-      return;
+    if (done == frames_ || line_.IsDue(now_s)) {
+      line_.Show(now_s, fmt::format("{} of {} frames, {:.0f} frames/s, {} left", done, frames_, done / now_s,
+                                    DurationText(now_s / done * (frames_ - done))));
     }
-    printed_at_s_ = now_s;
-    const double left_s = now_s / done * (frames_ - done);
-    // Through the stream, which fails without a word: a closed terminal ends no work.
-    std::cerr << fmt::format("{}{} of {} frames, {:.0f} frames/s, {:.0f} s left{}", terminal_ ? "\r" : "", done,
-                             frames_, done / now_s, left_s, terminal_ ? "  " : "\n")
-              << (terminal_ && done == frames_ ? "\n" : "") << std::flush;
   }
 
  private:
   int frames_;
-  bool terminal_;
-  double printed_at_s_ = 0;
+  ProgressLine line_{std::cerr, isatty(STDERR_FILENO) == 1};
   Stopwatch clock_;
 };
 

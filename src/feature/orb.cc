@@ -21,8 +21,8 @@ namespace {
 // Distance of keypoints from the edges of their level: patch and radius of the blur, and a pixel of rounding.
 constexpr int kBorder = kPatchRadius + 3 + 1;
 
-// Of what moves only a few keypoints are described, and coarse ones: poses do not stand on them, but they show what
-// comes to rest and what a network calls a person by mistake.
+// Dynamic surfaces get few keypoints, and only at coarse levels. No pose is computed from them, but they are needed
+// when something comes to rest, or when a network has taken a part of the room for a person.
 constexpr std::size_t kFirstMovingLevel = 3;
 
 // Keypoints wanted of each level: falls with the scale, as the perimeter of the image does.

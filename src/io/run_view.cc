@@ -72,18 +72,6 @@ void DrawMask(const MaskView& mask, const FrameResult& result, cv::Mat& canvas) 
   PutText(inset, fmt::format("mask: {} frames old", age), {4, 13});
 }
 
-std::string StateName(TrackingState state) {
-  switch (state) {
-    case TrackingState::kNotInitialized:
-      return "starting";
-    case TrackingState::kTracked:
-      return "tracked";
-    case TrackingState::kLost:
-      return "LOST";
-  }
-  throw InvariantError("unknown tracking state");
-}
-
 void DrawStatus(const RunViewContent& content, cv::Mat& canvas) {
   const FrameResult& result = content.result;
   const std::string delay = result.semantic_delay_frames
@@ -91,7 +79,7 @@ void DrawStatus(const RunViewContent& content, cv::Mat& canvas) {
                                 : std::string();
   Darken(canvas(cv::Rect(0, 0, canvas.cols, kBarHeight)));
   PutText(canvas,
-          fmt::format("frame {}  {}  {:.1f} fps{}", result.frame.value, StateName(result.state), content.frames_per_s,
+          fmt::format("frame {}  {}  {:.1f} fps{}", result.frame.value, ToString(result.state), content.frames_per_s,
                       delay),
           {6, 15});
 }

@@ -19,6 +19,12 @@ struct Observation {
       0;  // what the keypoint's label added to the log odds of the point's moving probability; 0 = no label
 };
 
+// When a point counts as in view: seen from less than 60 degrees off its mean viewing direction (Mur-Artal et al., T-RO
+// 2015, section V-D), at a distance at which the pyramid can see it again, give or take a fifth (one level).
+inline constexpr double kMinViewCosine = 0.5;
+inline constexpr float kNearerThanRange = 0.8F;
+inline constexpr float kFartherThanRange = 1.2F;
+
 // A 3-D point with its appearance. Owned and changed by Map only; not thread-safe by itself.
 struct MapPoint {
   PointId id;

@@ -11,7 +11,7 @@
 namespace rds {
 namespace {
 
-constexpr std::size_t kSecondNeighbors = 5;  // that each neighbor brings into the search for duplicates
+constexpr std::size_t kSecondNeighbors = 5;  // that each neighbor adds to the search for duplicates: bounds it
 
 // Keyframes that may show the same points: neighbors and their neighbors.
 std::vector<KeyframeId> FusionTargets(const Map& map, KeyframeId id, std::size_t neighbors) {

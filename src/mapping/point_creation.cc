@@ -10,7 +10,7 @@
 namespace rds {
 namespace {
 
-// 95 % quantile of the chi-square distribution with one degree of freedom: a keypoint's distance from a line.
+// 95 % quantile of the chi-square distribution with one degree of freedom: the distance of a keypoint from a line.
 constexpr double kChi2Line = 3.84;
 
 CreationProblem::View ViewOf(const Keyframe& keyframe) {

@@ -52,7 +52,8 @@ std::optional<Correction> SolveFusion(const FusionProblem& problem) {
     const double distance = ray.norm();
     if (!data.IsInImage(static_cast<float>(pixel.x()), static_cast<float>(pixel.y())) ||
         distance < 0.8 * static_cast<double>(point.min_distance_m) ||
-        distance > 1.2 * static_cast<double>(point.max_distance_m) || ray.dot(point.normal) < 0.5 * distance) {
+        distance > 1.2 * static_cast<double>(point.max_distance_m) ||
+        ray.dot(point.normal) < kMinViewCosine * distance) {
       continue;
     }
     const int level = pyramid.PredictLevel(point.max_distance_m, static_cast<float>(distance));

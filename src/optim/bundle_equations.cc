@@ -165,8 +165,8 @@ void BundleEquations::Linearize(bool robust) {
   }
 }
 
-// With p = R X + t, the point in the camera, and A = G^T W G, c = G^T W r, where G is the derivative of the residual r by
-// p: dp = dt + w x p + R dX for a motion (dt, w) of the camera (Retract) and dX of the point.
+// With p = R X + t, the point in the camera, and A = G^T W G, c = G^T W r, where G is the derivative of the residual r
+// by p: dp = dt + w x p + R dX for a motion (dt, w) of the camera (Retract) and dX of the point.
 void BundleEquations::LinearizeTerm(const Term& term, bool robust, Landmark* landmark) {
   const Camera& camera = cameras_[term.pose];
   const Eigen::Vector3d in_camera = camera.rotation * points_[landmark->point] + camera.from_world.translation;

@@ -13,8 +13,8 @@
 namespace rds {
 namespace {
 
-constexpr double kMostShare = 0.4;  // of the view that can have moved in
-constexpr int kLeastNeighbors = 4;  // of a sample that moved in, itself among them, in a block of 3 x 3
+constexpr double kMostShare = 0.4;  // of the view that can be newly occupied
+constexpr int kLeastNeighbors = 4;  // newly occupied, the sample itself among them, in a block of 3 x 3
 
 std::vector<float> LeastDepths(const DepthGrid& grid) {
   std::vector<float> result(grid.size(), 0);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a depth image says of motion: places that were empty before, and static surfaces seen again.
+// Free-space violations: what stands where earlier views looked through; and static surfaces seen again.
 #pragma once
 
 #include <memory>
@@ -40,12 +40,12 @@ struct DepthView {
 [[nodiscard]] std::vector<KeypointLabel> LabelGrid(const FrameData& data, const Image8& mask);
 
 // Judges each sample of a frame's depth grid by earlier views:
-// - dynamic where one of them looked through the place, so that something has moved in; this needs no network: it finds
+// - dynamic where one of them looked through the place, so that it is newly occupied; this needs no network: it finds
 //   people that a mask misses and what moves without being a person, but nothing that keeps still;
 // - static where one of them saw the same surface at the same place and its mask calls it static;
 // - none elsewhere. The word of the first view that has one counts.
-// Where more of the view moved in than is credible, it is the pose that is wrong, and nothing is called dynamic. Empty
-// without a grid. Re-entrant.
+// Where more of the view is newly occupied than is credible, it is the pose that is wrong, and nothing is called
+// dynamic. Empty without a grid. Re-entrant.
 [[nodiscard]] std::vector<KeypointLabel> CheckFreeSpace(const FrameData& frame, const Rigid3& camera_from_world,
                                                         std::span<const DepthView> views,
                                                         const FreeSpaceOptions& options);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is known of the surfaces that a frame sees, and how it is carried to the next frame.
+// Labels of the surfaces that a frame sees, propagated from frame to frame.
 #pragma once
 
 #include <cstdint>
@@ -52,21 +52,20 @@ class KeypointProbabilities {
 [[nodiscard]] std::vector<std::uint8_t> StaticSamples(const PropagatedLabels& field, const FrameData& later,
                                                       const Rigid3& later_from_field, int step);
 
-// Carries labels from frame to frame over the surfaces that depth images show, whatever moves, from the masks of
-// labeled keyframes to the frame of the moment: late ones over all frames since. What free space says is added to it.
-// Not thread-safe.
+// Propagates labels from the masks of labeled keyframes to the current frame, along the surfaces in the depth images of
+// all frames since, whatever moves. Free-space violations are added as labels. Not thread-safe.
 class LabelPropagator {
  public:
   LabelPropagator(const PropagationOptions& options, const FreeSpaceOptions& space)
       : options_(options), space_(space), surface_(options.surface) {}
 
-  // The field of the next frame. `views` are the newest labeled keyframes; each is carried here once.
+  // The field of the next frame. `views` are the newest labeled keyframes; each is propagated here once.
   [[nodiscard]] std::shared_ptr<const PropagatedLabels> Next(FrameId frame, const FrameData& data,
                                                              const Rigid3& camera_from_world,
                                                              std::span<const DepthView> views);
 
  private:
-  static constexpr std::size_t kLongestHistory = 64;  // frames over which a late label is carried at most
+  static constexpr std::size_t kLongestHistory = 64;  // frames over which a late label is propagated at most
 
   struct Source {
     std::int32_t sample = -1;  // none

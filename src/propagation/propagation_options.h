@@ -7,10 +7,9 @@
 namespace rds {
 
 struct SurfaceLabelOptions {
-  int max_dynamic_distance_px = 255;  // how far a label of what moves spreads over a surface, below SurfaceLabel::kNone
-  int max_static_distance_px = 100;   // and one of what does not
-  double depth_step_ratio =
-      depth_ratio::kNextSample;  // neighboring samples on a surface differ in depth by at most this share
+  int max_dynamic_distance_px = 255;  // over which a dynamic label spreads along a surface, below SurfaceLabel::kNone
+  int max_static_distance_px = 100;   // the same for a static one
+  double depth_step_ratio = depth_ratio::kNextSample;  // largest step between neighboring samples of a surface
 
   [[nodiscard]] int MaxDistance(bool dynamic) const {
     return dynamic ? max_dynamic_distance_px : max_static_distance_px;
@@ -19,15 +18,16 @@ struct SurfaceLabelOptions {
 
 struct PropagationOptions {
   bool enabled = true;
-  int age_penalty_px = 4;  // a label is as if so much farther away with each frame that it is carried
+  int age_penalty_px = 4;  // distance that a label ages by with each frame
   SurfaceLabelOptions surface;
 };
 
 struct FreeSpaceOptions {
   bool enabled = true;
   double margin_ratio =
-      depth_ratio::kLookedBeyond;  // an earlier view must have looked that much farther, as a share of the depth
-  double match_ratio = depth_ratio::kStaticAgain;  // a surface is the same one up to this share of its depth
+      depth_ratio::kLookedBeyond;  // by which an earlier view must have seen beyond a place, as a ratio of the depth
+  double match_ratio =
+      depth_ratio::kStaticAgain;  // difference up to which a surface is the same, as a ratio of its depth
 };
 
 }  // namespace rds

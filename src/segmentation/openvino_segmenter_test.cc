@@ -257,7 +257,7 @@ TEST_F(OpenVinoSegmenterTest, DamagedFilesAreCalledThat) {
               HasSubstr("channels.xml.yaml"));
 }
 
-// ---- with the weights and pictures of ../shared (or $RDS_SHARED), where they are ----
+// ---- with the weights and pictures that $RDS_SHARED names ----
 
 class OpenVinoWeightsTest : public OpenVinoSegmenterTest {
  protected:
@@ -267,11 +267,10 @@ class OpenVinoWeightsTest : public OpenVinoSegmenterTest {
       return;
     }
     const char* const given = std::getenv("RDS_SHARED");
-    shared_ = given != nullptr ? fs::path(given) : fs::path(__FILE__).parent_path() / "../../../shared";
-    if (!fs::is_directory(shared_ / "models")) {
-      GTEST_SKIP() << "no weights at " << shared_ / "models"
-                   << "; set RDS_SHARED";
+    if (given == nullptr || !fs::is_directory(fs::path(given) / "models")) {
+      GTEST_SKIP() << "no weights: RDS_SHARED does not name a folder that has models/";
     }
+    shared_ = given;
   }
   [[nodiscard]] std::string Model(const std::string& name) const { return (shared_ / "models" / name).string(); }
   // A real frame with people in it, and one without.

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "base/ids.h"
@@ -21,6 +22,9 @@ struct RgbdFrame {
 };
 
 enum class TrackingState : std::uint8_t { kNotInitialized, kTracked, kLost };
+
+// "not_initialized", "tracked", "lost".
+[[nodiscard]] std::string_view ToString(TrackingState state);
 
 // Class of a keypoint after tracking; colors of the paper's figures 12, 13, 15.
 enum class FeatureState : std::uint8_t {

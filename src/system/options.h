@@ -21,7 +21,7 @@ namespace rds {
 struct SystemOptions {
   bool lockstep = false;          // one thread, fixed order, same bytes every time
   bool keep_features = false;     // fill FrameResult::features, for drawing
-  bool wait_for_mapping = false;  // Process waits for room in mapping's queue (frames faster than real time)
+  bool wait_for_mapping = false;  // Process waits for capacity in mapping's queue (frames faster than real time)
   int keyframe_queue = 3;         // keyframes that may wait for mapping
 };
 
@@ -30,10 +30,10 @@ struct SemanticOptions {
   int per_round = 2;      // keyframes selected in a round
   bool batch = true;      // in one request, or one by one
   int backlog = 60;       // images of unlabeled keyframes kept at most
-  int start_frames = 30;  // frames at most that the first keyframe stays alone for want of a label
+  int start_frames = 30;  // for which the map waits for the first label before it grows, at most
   int dilation_px = 15;   // radius at an image width of 640
   double completion_step_ratio =
-      depth_ratio::kNextUnsure;  // unsure pixels join dynamic ones over steps in depth of at most this share
+      depth_ratio::kNextUnsure;  // unsure pixels join dynamic ones across smaller steps in depth
   FreeSpaceOptions free_space;
   double max_mask_ratio = 0.95;   // a mask that covers more says nothing
   double finish_timeout_s = 5;    // for labels still missing when the sequence ends

@@ -29,6 +29,18 @@ LockSummary::Series Summary(const TimeHistogram& times) {
 
 }  // namespace
 
+std::string_view ToString(TrackingState state) {
+  switch (state) {
+    case TrackingState::kNotInitialized:
+      return "not_initialized";
+    case TrackingState::kTracked:
+      return "tracked";
+    case TrackingState::kLost:
+      return "lost";
+  }
+  throw InvariantError("unknown tracking state");
+}
+
 void CheckFrame(const RgbdFrame& frame, const PinholeCamera& camera, std::optional<double> last_timestamp_s) {
   const std::string when = "frame at " + std::to_string(frame.timestamp_s) + " s: ";
   if (frame.image == nullptr || frame.depth == nullptr) {

@@ -6,8 +6,9 @@
 namespace rds {
 namespace {
 
-// What a point has shown of itself: one that moves is made anew again and again, and few keyframes see it.
-double Proven(const LocalMap& map, std::uint32_t point, const AssociationOptions& options) {
+// Weight by the number of observations: a point on something that moves is created again and again, and few keyframes
+// observe it.
+double ObservationWeight(const LocalMap& map, std::uint32_t point, const AssociationOptions& options) {
   return std::min<int>(map.observations[point], options.min_observations) /
          static_cast<double>(options.min_observations);
 }
@@ -41,7 +42,7 @@ Association SelectMatches(std::span<const PointMatch> matches, const LocalMap& m
       p = (*propagated)[match.keypoint];
     }
     match.state = StateOf(p, probabilities.options());
-    match.weight = (1.0 - p) * Proven(map, match.point, options);
+    match.weight = (1.0 - p) * ObservationWeight(map, match.point, options);
     switch (match.state) {
       case PointState::kStatic:
         result.used.push_back(match);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The surfaces that two depth images see, laid over each other.
+// Registration of two depth images: point-to-plane ICP.
 #pragma once
 
 #include <cstdint>
@@ -12,11 +12,11 @@
 
 namespace rds {
 
-// Every so many samples of the depth grid in each direction are laid over, from half of it on.
+// Every second sample of the depth grid in each direction is registered, from the second on.
 inline constexpr int kRegistrationStep = 2;
 
-// Lays the depth grid of a frame over that of another view: point to plane, with projective association (Blais and
-// Levine 1995; Chen and Medioni 1992), from the mean of the prior on and never far from it. Returns what is then known
+// Registers the depth grid of a frame to that of another view: point-to-plane ICP with projective association (Chen and
+// Medioni 1992; Blais and Levine 1995), starting at the mean of the prior and held near it. Returns what is then known
 // of the pose of the frame: the prior itself if too little overlaps, and no more than the prior said along directions
 // that the surfaces leave free. `usable`: 1 for each sample of the frame that may be used; empty = all. Where points
 // are few, near or side by side, this keeps a pose from turning about them. Distortion of the lens, a few pixels and

@@ -9,9 +9,10 @@
 namespace rds {
 namespace {
 
-constexpr float kMinCosine = 0.5F;  // of the angle between viewing ray and normal
+// A point seen from nearly the same direction as before (3.6 degrees) is found in a narrower window. The factors are
+// conventions of the ORB-SLAM family, not tuned here.
 constexpr float kStraightCosine = 0.998F;
-constexpr float kStraightWindow = 2.5F / 3.0F;  // seen from nearly the same direction: a narrower window does
+constexpr float kStraightWindow = 2.5F / 3.0F;
 constexpr float kObliqueWindow = 4.0F / 3.0F;
 
 std::vector<PointMatch> ToPointMatches(const std::vector<Match>& matches) {
@@ -70,10 +71,10 @@ Projections ProjectAll(const LocalMap& map, const FrameData& frame, const Rigid3
   for (std::size_t i = 0; i < n; ++i) {  // without branches, which would often be guessed wrong
     out.in_view[count] = static_cast<std::uint32_t>(i);
     count += static_cast<std::size_t>(static_cast<int>(out.inverse_depth[i] > 0) &
-                                      static_cast<int>(out.cosine[i] >= kMinCosine) &
+                                      static_cast<int>(out.cosine[i] >= static_cast<float>(kMinViewCosine)) &
                                       static_cast<int>(frame.IsInImage(out.u[i], out.v[i])) &
-                                      static_cast<int>(out.distance[i] >= 0.8F * map.min_distance_m[i]) &
-                                      static_cast<int>(out.distance[i] <= 1.2F * map.max_distance_m[i]));
+                                      static_cast<int>(out.distance[i] >= kNearerThanRange * map.min_distance_m[i]) &
+                                      static_cast<int>(out.distance[i] <= kFartherThanRange * map.max_distance_m[i]));
   }
   out.in_view.resize(count);
   return out;
