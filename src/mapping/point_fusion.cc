@@ -24,6 +24,7 @@ std::optional<FusionProblem> PlanFusion(const Map& map, KeyframeId keyframe_id, 
   }
   FusionProblem problem{
       {keyframe_id, keyframe->pose_revision}, keyframe->camera_from_world, keyframe->data, {}, map.pyramid()};
+  problem.points.reserve(points.size());
   for (const PointId id : points) {
     const MapPoint* const point = id.valid() ? map.Find(id) : nullptr;
     if (point != nullptr && !Sees(*point, keyframe_id)) {
