@@ -37,6 +37,12 @@ struct Keypoint {
   bool at_edge = false;     // the depth around it jumps, or is near and has holes
 
   [[nodiscard]] bool HasDepth() const { return depth_m > 0; }
+  // Undistorted.
+  [[nodiscard]] Eigen::Vector2d Pixel() const { return {static_cast<double>(x), static_cast<double>(y)}; }
+  // Where its depth puts it in the frame of the camera, meters.
+  [[nodiscard]] Eigen::Vector3d PointIn(const PinholeCamera& camera) const {
+    return camera.Unproject(Pixel(), static_cast<double>(depth_m));
+  }
 };
 
 // Scale pyramid of the extractor. Level i is the image shrunk by scale[i] = factor^i; the standard deviation of a

@@ -14,7 +14,7 @@ inline constexpr double kEdgeInformation = 0.1;
 [[nodiscard]] inline PixelObservation ObservationOf(const Keypoint& keypoint, const ScalePyramid& pyramid,
                                                     double weight) {
   PixelObservation observation;
-  observation.pixel = {static_cast<double>(keypoint.x), static_cast<double>(keypoint.y)};
+  observation.pixel = keypoint.Pixel();
   observation.right_x = static_cast<double>(keypoint.right_x);
   observation.inverse_sigma2 = pyramid.inverse_sigma2[keypoint.octave] * (keypoint.at_edge ? kEdgeInformation : 1);
   observation.weight = weight;

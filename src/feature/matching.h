@@ -15,7 +15,7 @@ namespace rds {
 
 // Largest Hamming distances of matches: strict where nothing else confirms a match (by appearance alone, between
 // keyframes), loose within a window around a projection. Descriptors of unrelated corners differ by 128 bits on average
-// (256 fair coins, standard deviation 8); views of one corner by 20 to 60 on the sequences of docs/results.md.
+// (256 fair coins, standard deviation 8). The values are conventions of the ORB-SLAM family, not tuned here.
 inline constexpr int kStrictDistance = 50;
 inline constexpr int kLooseDistance = 100;
 

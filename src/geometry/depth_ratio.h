@@ -3,8 +3,8 @@
 #pragma once
 
 // How far two depths of one surface may differ, as a ratio of the depth: one table for all that asks. The sensors'
-// noise is 1 % at 3 m (structured light: Khoshelham and Oude Elberink, Sensors 2012); the rest is the slope of surfaces
-// between samples, and motion. What options set is listed with its default.
+// noise is below 1 % up to 5 m (structured light: Khoshelham and Oude Elberink, Sensors 2012); the rest is the slope of
+// surfaces between samples, and motion. What options set is listed with its default.
 namespace rds::depth_ratio {
 
 inline constexpr float kSamePlace = 0.03F;     // where a later view shows a place
@@ -14,6 +14,6 @@ inline constexpr float kBend = 0.02F;          // a plane off the sample in its 
 inline constexpr double kNextSample = 0.03;    // neighboring samples (propagation.depth_step_ratio)
 inline constexpr double kNextUnsure = 0.04;    // the same where a mask is unsure (semantic.completion_step_ratio)
 inline constexpr double kStaticAgain = 0.02;   // a static surface seen again (semantic.free_space_match)
-inline constexpr double kLookedBeyond = 0.10;  // no surface was there: another was seen so much farther (..._margin)
+inline constexpr double kLookedBeyond = 0.10;  // none was there: seen so far beyond (semantic.free_space_margin)
 
 }  // namespace rds::depth_ratio

@@ -88,9 +88,7 @@ void LocalMapper::AddDepthPoints(Map& map, const Keyframe& keyframe, const Keyfr
       break;
     }
     if (!keyframe.points[index].valid()) {
-      const Keypoint& keypoint = data.keypoints()[index];
-      const Eigen::Vector3d in_camera = data.camera().Unproject(
-          {static_cast<double>(keypoint.x), static_cast<double>(keypoint.y)}, static_cast<double>(depth_m));
+      const Eigen::Vector3d in_camera = data.keypoints()[index].PointIn(data.camera());
       const PointId point = map.AddPoint(world_from_camera * in_camera, keyframe.id, index);
       if (!candidate.probabilities.empty()) {
         map.SetMovingProbability(point, candidate.probabilities[index]);

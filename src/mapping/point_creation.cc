@@ -44,8 +44,7 @@ std::vector<Match> MatchAlongEpipolarLines(const CreationProblem& problem, doubl
   for (std::size_t query = 0; query < a.free_keypoints.size(); ++query) {
     const Keypoint& keypoint = data_a.keypoints()[a.free_keypoints[query]];
     angles.push_back(keypoint.angle_deg);
-    const Eigen::Vector3d line =
-        f * Eigen::Vector3d(static_cast<double>(keypoint.x), static_cast<double>(keypoint.y), 1.0);
+    const Eigen::Vector3d line = f * keypoint.Pixel().homogeneous();
     const double norm2 = line.head<2>().squaredNorm();
     int best = kStrictDistance + 1;
     int second = 257;
@@ -57,7 +56,7 @@ std::vector<Match> MatchAlongEpipolarLines(const CreationProblem& problem, doubl
         continue;
       }
       const Keypoint& other = data_b.keypoints()[candidate];
-      const double off = line.dot(Eigen::Vector3d(static_cast<double>(other.x), static_cast<double>(other.y), 1.0));
+      const double off = line.dot(other.Pixel().homogeneous());
       if (off * off * problem.pyramid.inverse_sigma2[other.octave] > kChi2Line * norm2) {
         continue;
       }

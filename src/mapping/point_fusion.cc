@@ -62,22 +62,22 @@ std::optional<Correction> SolveFusion(const FusionProblem& problem) {
     const double right_x = pixel.x() - camera.Bf() / in_camera.z();
     int best = kStrictDistance + 1;
     std::uint32_t chosen = 0;
-    data.ForEachInWindow(static_cast<float>(pixel.x()), static_cast<float>(pixel.y()), radius, level - 1, level,
-                         [&](const FrameData::GridItem& item) {
-                           const bool has_depth = data.keypoints()[item.index].HasDepth();
-                           const double dx = pixel.x() - static_cast<double>(item.x);
-                           const double dy = pixel.y() - static_cast<double>(item.y);
-                           const double dr = has_depth ? right_x - static_cast<double>(item.right_x) : 0.0;
-                           const double bound = has_depth ? kChi2Depth : kChi2Mono;
-                           if ((dx * dx + dy * dy + dr * dr) * pyramid.inverse_sigma2[item.octave] > bound) {
-                             return;
-                           }
-                           const int hamming = HammingDistance(point.descriptor, data.descriptors()[item.index]);
-                           if (hamming < best) {
-                             best = hamming;
-                             chosen = item.index;
-                           }
-                         });
+    data.ForEachInWindow(
+        static_cast<float>(pixel.x()), static_cast<float>(pixel.y()), radius, level - 1, level,
+        [&](const FrameData::GridItem& item) {
+          const bool has_depth = data.keypoints()[item.index].HasDepth();
+          const double dx = pixel.x() - static_cast<double>(item.x);
+          const double dy = pixel.y() - static_cast<double>(item.y);
+          const double dr = has_depth ? right_x - static_cast<double>(item.right_x) : 0.0;
+          if ((dx * dx + dy * dy + dr * dr) * pyramid.inverse_sigma2[item.octave] > Chi2Bound(has_depth)) {
+            return;
+          }
+          const int hamming = HammingDistance(point.descriptor, data.descriptors()[item.index]);
+          if (hamming < best) {
+            best = hamming;
+            chosen = item.index;
+          }
+        });
     if (best <= kStrictDistance) {
       correction.matches.push_back({point.id, problem.version, chosen});
     }

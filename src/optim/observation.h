@@ -24,4 +24,7 @@ struct PixelObservation {
 inline constexpr double kChi2Mono = 5.991;
 inline constexpr double kChi2Depth = 7.815;
 
+// The bound on chi2 up to which a keypoint agrees with a projection.
+[[nodiscard]] inline constexpr double Chi2Bound(bool has_depth) { return has_depth ? kChi2Depth : kChi2Mono; }
+
 }  // namespace rds

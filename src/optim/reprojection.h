@@ -52,8 +52,6 @@ inline double ReprojectionChi2(const PinholeCamera& camera, const PixelObservati
 }
 
 // Whether chi2 is within the 95 % quantile.
-inline bool IsInlier(const PixelObservation& keypoint, double chi2) {
-  return chi2 <= (keypoint.HasDepth() ? kChi2Depth : kChi2Mono);
-}
+inline bool IsInlier(const PixelObservation& keypoint, double chi2) { return chi2 <= Chi2Bound(keypoint.HasDepth()); }
 
 }  // namespace rds

@@ -6,8 +6,7 @@
 namespace rds {
 namespace {
 
-// Errors of the two poses that a velocity is taken from (standard deviations, from the static kitchen sequence): no
-// prediction can be better than that.
+// Errors of the two poses that a velocity is taken from (standard deviations): no prediction can be better than that.
 constexpr double kPoseNoise_m = 0.002;
 constexpr double kPoseNoise_rad = 0.003;
 constexpr double kGain = 0.5;  // share of the newest step in the velocity

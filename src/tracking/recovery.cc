@@ -28,10 +28,9 @@ int CountAgreeing(const FrameData& current, std::span<const PointMatch> matches,
     if (point.z() <= 0) {
       continue;
     }
-    const Eigen::Vector2d measured(static_cast<double>(keypoint.x), static_cast<double>(keypoint.y));
     // Twice the standard deviation: an alignment of three noisy depths is coarse.
     const double bound = 4.0 * kChi2Mono / pyramid.inverse_sigma2[keypoint.octave];
-    count += (camera.Project(point) - measured).squaredNorm() < bound ? 1 : 0;
+    count += (camera.Project(point) - keypoint.Pixel()).squaredNorm() < bound ? 1 : 0;
   }
   return count;
 }
@@ -58,8 +57,7 @@ std::optional<Rigid3> RansacPose(const FrameData& current, std::span<const Point
   for (const PointMatch& match : matches) {
     const Keypoint& keypoint = current.keypoints()[match.keypoint];
     if (keypoint.HasDepth()) {
-      in_camera.push_back(current.camera().Unproject({static_cast<double>(keypoint.x), static_cast<double>(keypoint.y)},
-                                                     static_cast<double>(keypoint.depth_m)));
+      in_camera.push_back(keypoint.PointIn(current.camera()));
       in_world.push_back(map.Position(match.point));
     }
   }
