@@ -2,11 +2,25 @@
 // How corrections come into the map.
 #include "map/correction.h"
 
-#include <algorithm>
+#include <vector>
 
 #include "map/map.h"
 
 namespace rds {
+namespace {
+
+template <typename Item, typename Judge>
+std::vector<const Item*> Those(const std::vector<Item>& items, Judge&& is_wanted) {
+  std::vector<const Item*> wanted;
+  for (const Item& item : items) {
+    if (is_wanted(item)) {
+      wanted.push_back(&item);
+    }
+  }
+  return wanted;
+}
+
+}  // namespace
 
 bool Map::IsCurrent(const KeyframeVersion& version) const {
   const Keyframe* const keyframe = Find(version.keyframe);
@@ -16,32 +30,14 @@ bool Map::IsCurrent(const KeyframeVersion& version) const {
 Applied Map::Apply(const Correction& correction) {
   Applied applied;
   // What is stale is judged before anything is written.
-  std::vector<const Correction::Point*> points;
-  for (const Correction::Point& point : correction.points) {
+  const auto poses = Those(correction.poses, [&](const auto& pose) { return IsCurrent(pose.of); });
+  const auto points = Those(correction.points, [&](const auto& point) {
     const MapPoint* const now = Find(point.point);
-    if (now != nullptr && now->revision == point.revision && IsCurrent(point.reference)) {
-      points.push_back(&point);
-    }
-  }
-  const auto is_current = [&](const auto& version) { return IsCurrent(version); };
-  std::vector<const Correction::Pose*> poses;
-  for (const Correction::Pose& pose : correction.poses) {
-    if (is_current(pose.of)) {
-      poses.push_back(&pose);
-    }
-  }
-  std::vector<const Correction::NewPoint*> new_points;
-  for (const Correction::NewPoint& point : correction.new_points) {
-    if (is_current(point.first) && is_current(point.second)) {
-      new_points.push_back(&point);
-    }
-  }
-  std::vector<const Correction::Match*> matches;
-  for (const Correction::Match& match : correction.matches) {
-    if (is_current(match.in)) {
-      matches.push_back(&match);
-    }
-  }
+    return now != nullptr && now->revision == point.revision && IsCurrent(point.reference);
+  });
+  const auto new_points = Those(correction.new_points,
+                                [&](const auto& point) { return IsCurrent(point.first) && IsCurrent(point.second); });
+  const auto matches = Those(correction.matches, [&](const auto& match) { return IsCurrent(match.in); });
 
   for (const Correction::Pose* pose : poses) {
     const Keyframe& keyframe = At(pose->of.keyframe);

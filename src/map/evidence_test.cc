@@ -17,16 +17,11 @@ constexpr KeypointLabel kNone = KeypointLabel::kNone;
 constexpr KeypointLabel kStatic = KeypointLabel::kStatic;
 constexpr KeypointLabel kDynamic = KeypointLabel::kDynamic;
 
-std::shared_ptr<const FrameData> Data(std::vector<Keypoint> keypoints) {
-  std::vector<Descriptor> descriptors(keypoints.size());
-  return std::make_shared<const FrameData>(TestCamera(), std::move(keypoints), std::move(descriptors));
-}
-
 // Two keyframes of four keypoints each.
 struct Scene {
   Map map{ScalePyramid()};
-  KeyframeId a = map.AddKeyframe(FrameId{0}, 0, {}, Data(std::vector<Keypoint>(4)));
-  KeyframeId b = map.AddKeyframe(FrameId{1}, 1, {}, Data(std::vector<Keypoint>(4)));
+  KeyframeId a = map.AddKeyframe(FrameId{0}, 0, {}, FrameOf(std::vector<Keypoint>(4)));
+  KeyframeId b = map.AddKeyframe(FrameId{1}, 1, {}, FrameOf(std::vector<Keypoint>(4)));
 
   PointId Add(KeyframeId keyframe, std::uint32_t keypoint) { return map.AddPoint({0, 0, 2}, keyframe, keypoint); }
   [[nodiscard]] double Get(PointId point) const { return map.probabilities().Get(point); }
@@ -110,7 +105,7 @@ TEST(MapEvidence, ALabelThatIsSeenForgottenAndSeenAgainCountsOnce) {
     Scene scene;
     const PointId point = scene.Add(scene.a, 0);
     for (std::uint32_t i = 0; i < others; ++i) {
-      const KeyframeId other = scene.map.AddKeyframe(FrameId{2 + i}, 2 + i, {}, Data(std::vector<Keypoint>(4)));
+      const KeyframeId other = scene.map.AddKeyframe(FrameId{2 + i}, 2 + i, {}, FrameOf(std::vector<Keypoint>(4)));
       ASSERT_TRUE(scene.map.Observe(point, other, 0));
       scene.map.Label(other, {kDynamic, kNone, kNone, kNone});
     }

@@ -22,8 +22,8 @@ struct Observation {
 // When a point counts as in view: seen from less than 60 degrees off its mean viewing direction (Mur-Artal et al., T-RO
 // 2015, section V-D), at a distance at which the pyramid can see it again, give or take a fifth (one level).
 inline constexpr double kMinViewCosine = 0.5;
-inline constexpr float kNearerThanRange = 0.8F;
-inline constexpr float kFartherThanRange = 1.2F;
+inline constexpr double kNearerThanRange = 0.8;
+inline constexpr double kFartherThanRange = 1.2;
 
 // A 3-D point with its appearance. Owned and changed by Map only; not thread-safe by itself.
 struct MapPoint {

@@ -55,9 +55,8 @@ struct Scene {
     KeyframeCandidate candidate;
     candidate.frame = FrameId{frames++};
     candidate.timestamp_s = 0.1 * frames;
-    std::vector<Descriptor> descriptors(keypoints.size());
     candidate.points.resize(keypoints.size());
-    candidate.data = std::make_shared<const FrameData>(TestCamera(), std::move(keypoints), std::move(descriptors));
+    candidate.data = FrameOf(std::move(keypoints));
     return candidate;
   }
   // A candidate that shows the points 0 .. kPoints - 1 of the map in the first keypoints without depth, so that it

@@ -52,8 +52,8 @@ std::optional<Correction> SolveFusion(const FusionProblem& problem) {
     const Eigen::Vector3d ray = point.position - center;
     const double distance = ray.norm();
     if (!data.IsInImage(static_cast<float>(pixel.x()), static_cast<float>(pixel.y())) ||
-        distance < 0.8 * static_cast<double>(point.min_distance_m) ||
-        distance > 1.2 * static_cast<double>(point.max_distance_m) ||
+        distance < kNearerThanRange * static_cast<double>(point.min_distance_m) ||
+        distance > kFartherThanRange * static_cast<double>(point.max_distance_m) ||
         ray.dot(point.normal) < kMinViewCosine * distance) {
       continue;
     }

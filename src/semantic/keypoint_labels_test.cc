@@ -18,11 +18,6 @@ constexpr KeypointLabel kNone = KeypointLabel::kNone;
 constexpr KeypointLabel kStatic = KeypointLabel::kStatic;
 constexpr KeypointLabel kDynamic = KeypointLabel::kDynamic;
 
-std::shared_ptr<const FrameData> Data(std::vector<Keypoint> keypoints) {
-  std::vector<Descriptor> descriptors(keypoints.size());
-  return std::make_shared<const FrameData>(TestCamera(), std::move(keypoints), std::move(descriptors));
-}
-
 TEST(LabelKeypoints, LooksUpTheRecordedPixelNotTheUndistortedOne) {
   Image8 mask(640, 480);
   mask.At(100, 50) = 255;
@@ -37,7 +32,7 @@ TEST(LabelKeypoints, LooksUpTheRecordedPixelNotTheUndistortedOne) {
   keypoints[2].raw_y = 60;
   keypoints[2].x = 100;
   keypoints[2].y = 50;
-  EXPECT_EQ(LabelKeypoints(*Data(keypoints), mask), (Labels{kDynamic, kStatic, kStatic}));
+  EXPECT_EQ(LabelKeypoints(*FrameOf(keypoints), mask), (Labels{kDynamic, kStatic, kStatic}));
 }
 
 TEST(LabelKeypoints, SaysNothingWhereTheMaskIsUnsure) {
@@ -45,7 +40,7 @@ TEST(LabelKeypoints, SaysNothingWhereTheMaskIsUnsure) {
   mask.At(10, 10) = kUnsurePixel;
   std::vector<Keypoint> keypoints(1);
   keypoints[0].raw_x = keypoints[0].raw_y = 10;
-  EXPECT_EQ(LabelKeypoints(*Data(keypoints), mask), (Labels{kNone}));
+  EXPECT_EQ(LabelKeypoints(*FrameOf(keypoints), mask), (Labels{kNone}));
 }
 
 TEST(LabelKeypoints, TakesTheBorderForWhatLiesOutside) {
@@ -56,11 +51,11 @@ TEST(LabelKeypoints, TakesTheBorderForWhatLiesOutside) {
   keypoints[0].raw_x = keypoints[0].raw_y = -2;
   keypoints[1].raw_x = 639.7F;
   keypoints[1].raw_y = 481;
-  EXPECT_EQ(LabelKeypoints(*Data(keypoints), mask), (Labels{kDynamic, kDynamic}));
+  EXPECT_EQ(LabelKeypoints(*FrameOf(keypoints), mask), (Labels{kDynamic, kDynamic}));
 }
 
 TEST(LabelKeypoints, RefusesAMaskOfAnotherSize) {
-  const auto data = Data(std::vector<Keypoint>(1));
+  const auto data = FrameOf(std::vector<Keypoint>(1));
   EXPECT_THROW(static_cast<void>(LabelKeypoints(*data, Image8(320, 240))), InvariantError);
   EXPECT_THROW(static_cast<void>(LabelKeypoints(*data, Image8(640, 480, 3))), InvariantError);
 }

@@ -25,8 +25,7 @@ std::shared_ptr<const FrameData> Data(const Rigid3& camera_from_world, const std
   for (const Eigen::Vector3d& point : points) {
     keypoints.push_back(See(camera_from_world, point));
   }
-  std::vector<Descriptor> descriptors(keypoints.size());
-  return std::make_shared<const FrameData>(TestCamera(), std::move(keypoints), std::move(descriptors));
+  return FrameOf(std::move(keypoints));
 }
 
 // The root and a second keyframe whose pose in the map is off by 6 cm and 2 degrees. Both see all points; those from

@@ -2,6 +2,10 @@
 // What a camera of tests sees of a point.
 #pragma once
 
+#include <memory>
+#include <utility>
+#include <vector>
+
 #include "feature/frame_data.h"
 #include "geometry/camera.h"
 #include "geometry/rigid3.h"
@@ -30,6 +34,12 @@ inline Keypoint See(const Rigid3& camera_from_world, const Eigen::Vector3d& poin
     keypoint.right_x = static_cast<float>(pixel.x() - camera.Bf() / in_camera.z());
   }
   return keypoint;
+}
+
+// A frame of TestCamera with these keypoints, which look all alike.
+inline std::shared_ptr<const FrameData> FrameOf(std::vector<Keypoint> keypoints) {
+  std::vector<Descriptor> descriptors(keypoints.size());
+  return std::make_shared<const FrameData>(TestCamera(), std::move(keypoints), std::move(descriptors));
 }
 
 }  // namespace rds

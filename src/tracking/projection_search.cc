@@ -70,11 +70,12 @@ Projections ProjectAll(const LocalMap& map, const FrameData& frame, const Rigid3
   std::size_t count = 0;
   for (std::size_t i = 0; i < n; ++i) {  // without branches, which would often be guessed wrong
     out.in_view[count] = static_cast<std::uint32_t>(i);
-    count += static_cast<std::size_t>(static_cast<int>(out.inverse_depth[i] > 0) &
-                                      static_cast<int>(out.cosine[i] >= static_cast<float>(kMinViewCosine)) &
-                                      static_cast<int>(frame.IsInImage(out.u[i], out.v[i])) &
-                                      static_cast<int>(out.distance[i] >= kNearerThanRange * map.min_distance_m[i]) &
-                                      static_cast<int>(out.distance[i] <= kFartherThanRange * map.max_distance_m[i]));
+    count += static_cast<std::size_t>(
+        static_cast<int>(out.inverse_depth[i] > 0) &
+        static_cast<int>(out.cosine[i] >= static_cast<float>(kMinViewCosine)) &
+        static_cast<int>(frame.IsInImage(out.u[i], out.v[i])) &
+        static_cast<int>(out.distance[i] >= static_cast<float>(kNearerThanRange) * map.min_distance_m[i]) &
+        static_cast<int>(out.distance[i] <= static_cast<float>(kFartherThanRange) * map.max_distance_m[i]));
   }
   out.in_view.resize(count);
   return out;
