@@ -58,7 +58,7 @@ FrameData::FrameData(const PinholeCamera& camera, std::vector<Keypoint> keypoint
   std::vector<std::uint16_t> next(cell_start_.begin(), cell_start_.end() - 1);
   for (std::size_t i = 0; i < keypoints_.size(); ++i) {
     const Keypoint& keypoint = keypoints_[i];
-    cell_items_[next[cell_of(keypoint)]++] = {keypoint.x, keypoint.y, keypoint.right_x, static_cast<std::uint16_t>(i),
+    cell_items_[next[cell_of(keypoint)]++] = {keypoint.x, keypoint.y, keypoint.depth_m, static_cast<std::uint16_t>(i),
                                               keypoint.octave};
   }
 }

@@ -31,7 +31,7 @@ struct Keypoint {
   float raw_x = 0;  // pixel in the image as recorded (for masks and drawing); equal to x, y without distortion
   float raw_y = 0;
   float depth_m = 0;        // 0 = no depth
-  float right_x = -1;       // x in the virtual right camera: x - bf / depth_m; -1 = no depth
+  float depth_sigma_m = 0;  // its standard deviation, above 0 where there is depth
   float angle_deg = 0;      // orientation, [0, 360)
   std::uint8_t octave = 0;  // pyramid level, 0 = finest
   bool at_edge = false;     // the depth around it jumps, or is near and has holes
@@ -100,7 +100,7 @@ class FrameData {
   struct GridItem {
     float x = 0;  // undistorted pixel
     float y = 0;
-    float right_x = -1;  // as in Keypoint
+    float depth_m = 0;  // as in Keypoint
     std::uint16_t index = 0;
     std::uint8_t octave = 0;
   };

@@ -60,11 +60,14 @@ TEST(ObservationOf, SaysLessOfWhereASurfaceEnds) {
   Keypoint keypoint;
   keypoint.x = 10;
   keypoint.y = 20;
-  keypoint.right_x = 5;
+  keypoint.depth_m = 2;
+  keypoint.depth_sigma_m = 0.01F;
   keypoint.octave = 2;
   const PixelObservation firm = ObservationOf(keypoint, pyramid, 0.7);
   EXPECT_EQ(firm.pixel, Eigen::Vector2d(10, 20));
-  EXPECT_EQ(firm.right_x, 5);
+  EXPECT_DOUBLE_EQ(firm.inverse_depth, 0.5);
+  // One standard deviation of the depth, 1 / 2.01 - 1 / 2 to first order, counts as one of the position.
+  EXPECT_NEAR(firm.depth_px * 0.01 / (2 * 2) * std::sqrt(firm.inverse_sigma2), 1, 1e-6);
   EXPECT_EQ(firm.weight, 0.7);
   EXPECT_DOUBLE_EQ(firm.inverse_sigma2, pyramid.inverse_sigma2[2]);
   keypoint.at_edge = true;

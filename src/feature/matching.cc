@@ -5,13 +5,18 @@
 #include <cmath>
 
 namespace rds {
+namespace {
+
+constexpr float kOtherDepth = 0.2F;  // of the expected one: what is so far off is another thing
+
+}  // namespace
 
 Candidate FindBest(const FrameData& frame, const SearchWindow& window, const Descriptor& descriptor) {
   Candidate best;
   const auto descriptors = frame.descriptors();
   frame.ForEachInWindow(
       window.x, window.y, window.radius_px, window.min_octave, window.max_octave, [&](const FrameData::GridItem& item) {
-        if (window.right_x >= 0 && item.right_x >= 0 && std::abs(window.right_x - item.right_x) > window.radius_px) {
+        if (item.depth_m > 0 && std::abs(window.depth_m - item.depth_m) > kOtherDepth * window.depth_m) {
           return;
         }
         const int distance = HammingDistance(descriptor, descriptors[item.index]);

@@ -30,7 +30,7 @@ struct Match {
 struct SearchWindow {
   float x = 0;  // undistorted pixel
   float y = 0;
-  float right_x = -1;  // predicted; candidates with depth must agree within the radius; negative = do not check
+  float depth_m = 0;  // predicted; what has depth must agree with it roughly; 0 = do not check
   float radius_px = 0;
   int min_octave = 0;
   int max_octave = std::numeric_limits<std::uint8_t>::max();

@@ -9,10 +9,12 @@
 
 #include "base/error.h"
 #include "feature/depth_lookup.h"
+#include "feature/keypoint_depth.h"
 #include "feature/orb_descriptor.h"
 #include "feature/orb_fast.h"
 #include "feature/orb_image.h"
 #include "feature/orb_select.h"
+#include "feature/rolling_shutter.h"
 #include "feature/undistortion.h"
 
 namespace rds {
@@ -41,62 +43,6 @@ std::vector<std::size_t> FeaturesPerLevel(const OrbOptions& options) {
     before = end;
   }
   return wanted;
-}
-
-// Whether a surface ends next to a pixel of depth `raw`: it is much nearer or farther a few pixels away, or, below
-// `near_raw`, there are holes. A sensor that triangulates leaves them beside near surfaces, the wider the nearer, and
-// between them often sees the near surface where the camera looks past it.
-bool IsAtEdge(const DepthLookup& depth, int x, int y, std::uint16_t raw, double near_raw) {
-  constexpr int kMaxDistance_px = 6;
-  constexpr int kEdgeShare = 10;  // a tenth of the depth
-  constexpr int kEdgeHoles = 2;
-  int holes = 0;
-  for (const int dy : {-kMaxDistance_px, 0, kMaxDistance_px}) {
-    for (const int dx : {-kMaxDistance_px, 0, kMaxDistance_px}) {
-      if (x + dx < 0 || y + dy < 0 || x + dx >= depth.width() || y + dy >= depth.height()) {
-        continue;
-      }
-      const std::uint16_t other = depth.At(x + dx, y + dy);
-      if (other == 0) {
-        ++holes;
-      } else if (std::abs(int{other} - int{raw}) > raw / kEdgeShare) {
-        return true;
-      }
-    }
-  }
-  return holes >= kEdgeHoles && raw < near_raw;
-}
-
-void LookUpDepth(const PinholeCamera& camera, const DepthLookup& depth, bool edges, std::vector<Keypoint>& keypoints) {
-  const auto bf = static_cast<float>(camera.Bf());
-  const auto meters_per_unit = static_cast<float>(1 / camera.depth_scale);
-  constexpr double kNearBaselines = 15;
-  const double near_raw = kNearBaselines * camera.baseline_m * camera.depth_scale;
-  for (Keypoint& keypoint : keypoints) {
-    const auto x = static_cast<int>(std::lround(keypoint.raw_x));
-    const auto y = static_cast<int>(std::lround(keypoint.raw_y));
-    const std::uint16_t raw = depth.At(x, y);
-    if (raw != 0) {
-      keypoint.depth_m = static_cast<float>(raw) * meters_per_unit;
-      keypoint.right_x = keypoint.x - bf / keypoint.depth_m;
-      keypoint.at_edge = edges && IsAtEdge(depth, x, y, raw, near_raw);
-    }
-  }
-}
-
-DepthGrid SampleDepth(const PinholeCamera& camera, const DepthLookup& depth) {
-  const int columns = depth.width() / kDepthGridStep;
-  const int rows = depth.height() / kDepthGridStep;
-  std::vector<float> depth_m;
-  depth_m.reserve(static_cast<std::size_t>(columns * rows));
-  const auto meters_per_unit = static_cast<float>(1 / camera.depth_scale);
-  for (int row = 0; row < rows; ++row) {
-    for (int column = 0; column < columns; ++column) {
-      const std::uint16_t raw = depth.At(DepthGrid::MiddlePixel(column), DepthGrid::MiddlePixel(row));
-      depth_m.push_back(static_cast<float>(raw) * meters_per_unit);
-    }
-  }
-  return {columns, rows, std::move(depth_m)};
 }
 
 void Undistort(const PinholeCamera& camera, std::vector<Keypoint>& keypoints) {
@@ -223,7 +169,7 @@ OrbExtractor::~OrbExtractor() = default;
 const ScalePyramid& OrbExtractor::pyramid() const { return impl_->pyramid; }
 
 FrameData OrbExtractor::Extract(const PinholeCamera& camera, const Image8& image, const Image16& depth,
-                                std::span<const SampleMotion> motion) {
+                                std::span<const SampleMotion> motion, const Tangent6& velocity) {
   Check(image.width == camera.width && image.height == camera.height && (image.channels == 1 || image.channels == 3),
         "a gray or BGR image of the camera's size");
   Check(depth.width == camera.width && depth.height == camera.height && depth.channels == 1,
@@ -249,7 +195,8 @@ FrameData OrbExtractor::Extract(const PinholeCamera& camera, const Image8& image
   }
   Undistort(camera, keypoints);
   const DepthLookup lookup(depth);
-  LookUpDepth(camera, lookup, impl_->options.depth_edges, keypoints);
+  LookUpDepth(camera, lookup, impl_->options.depth_edges, impl_->pyramid, keypoints);
+  CorrectRollingShutter(camera, velocity, keypoints);
   return {camera, std::move(keypoints), std::move(descriptors), SampleDepth(camera, lookup)};
 }
 

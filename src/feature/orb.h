@@ -26,9 +26,11 @@ class OrbExtractor {
   // Features of a frame; `image` is gray or BGR, both images have the camera's size (else InvariantError). Never throws
   // on image content: a black image gives no features. `motion` is that of the samples of the depth grid (or empty):
   // corners on what moves and beside it have budgets of their own, so that people take no features from the room behind
-  // them.
+  // them. `velocity` is that of points at rest in the frame of the camera (m/s, rad/s): what a rolling shutter makes of
+  // it is taken out of their places.
   [[nodiscard]] FrameData Extract(const PinholeCamera& camera, const Image8& image, const Image16& depth,
-                                  std::span<const SampleMotion> motion = {});
+                                  std::span<const SampleMotion> motion = {},
+                                  const Tangent6& velocity = Tangent6::Zero());
 
  private:
   struct Impl;

@@ -9,45 +9,22 @@
 #include "base/error.h"
 #include "base/suggest.h"
 #include "io/camera_file.h"
+#include "io/known_cameras.h"
 
 namespace rds {
 namespace {
 
 namespace fs = std::filesystem;
 
-// TUM and Bonn: the calibrations that the benchmarks publish (640 x 480, depth registered to color, 5000 units a
-// meter). 7-Scenes publishes 585, 320, 240 for its Kinect.
-constexpr std::array<NamedCamera, 5> kCameras = {{
-    {"tum_fr1",
-     {.fx = 517.306408,
-      .fy = 516.469215,
-      .cx = 318.643040,
-      .cy = 255.313989,
-      .distortion = {0.262383, -0.953104, -0.005358, 0.002628, 1.163314}}},
-    {"tum_fr2",
-     {.fx = 520.908620,
-      .fy = 521.007327,
-      .cx = 325.141442,
-      .cy = 249.701764,
-      .distortion = {0.231222, -0.784899, -0.003257, -0.000105, 0.917205}}},
-    {"tum_fr3", {.fx = 535.4, .fy = 539.2, .cx = 320.1, .cy = 247.6}},
-    {"bonn",
-     {.fx = 542.822841,
-      .fy = 542.576870,
-      .cx = 315.593520,
-      .cy = 237.756098,
-      .distortion = {0.039903, -0.099343, -0.000730, -0.000144, 0.0}}},
-    {"redkitchen", {.fx = 585, .fy = 585, .cx = 320, .cy = 240}},
-}};
-
 const NamedCamera* FindBuiltIn(std::string_view name) {
-  const auto found = std::find_if(kCameras.begin(), kCameras.end(), [&](const auto& c) { return c.name == name; });
-  return found == kCameras.end() ? nullptr : &*found;
+  const auto cameras = BuiltInCameras();
+  const auto found = std::ranges::find(cameras, name, &NamedCamera::name);
+  return found == cameras.end() ? nullptr : &*found;
 }
 
 std::string JoinedNames() {
   std::string names;
-  for (const NamedCamera& camera : kCameras) {
+  for (const NamedCamera& camera : BuiltInCameras()) {
     names += (names.empty() ? "" : ", ") + std::string(camera.name);
   }
   return names;
@@ -97,11 +74,9 @@ std::optional<RecognizedCamera> Recognize(const fs::path& sequence_folder) {
 
 }  // namespace
 
-std::span<const NamedCamera> BuiltInCameras() { return kCameras; }
-
 std::vector<std::string> BuiltInCameraNames() {
   std::vector<std::string> names;
-  for (const NamedCamera& camera : kCameras) {
+  for (const NamedCamera& camera : BuiltInCameras()) {
     names.emplace_back(camera.name);
   }
   return names;

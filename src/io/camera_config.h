@@ -10,17 +10,10 @@
 #include <vector>
 
 #include "geometry/camera.h"
+#include "io/known_cameras.h"
 
 namespace rds {
 
-// A camera that needs no file; config/<name>.yaml holds the same numbers, to be copied and changed.
-struct NamedCamera {
-  std::string_view name;
-  PinholeCamera camera;
-};
-
-// tum_fr1, tum_fr2, tum_fr3, bonn, redkitchen.
-std::span<const NamedCamera> BuiltInCameras();
 std::vector<std::string> BuiltInCameraNames();
 
 // A built-in camera by its bare name ("tum_fr3"), else the file of that path. InputError listing the names otherwise.

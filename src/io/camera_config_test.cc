@@ -18,7 +18,9 @@ constexpr const char* kGood =
 
 bool Same(const PinholeCamera& a, const PinholeCamera& b) {
   return a.width == b.width && a.height == b.height && a.fx == b.fx && a.fy == b.fy && a.cx == b.cx && a.cy == b.cy &&
-         a.distortion == b.distortion && a.depth_scale == b.depth_scale && a.baseline_m == b.baseline_m;
+         a.distortion == b.distortion && a.depth_scale == b.depth_scale && a.baseline_m == b.baseline_m &&
+         a.depth_noise.constant_m == b.depth_noise.constant_m &&
+         a.depth_noise.quadratic_per_m == b.depth_noise.quadratic_per_m && a.rolling_shutter_s == b.rolling_shutter_s;
 }
 
 std::string ErrorOf(const std::string& text) {

@@ -16,14 +16,21 @@
 #include "geometry/distortion.h"
 #include "io/camera_foreign.h"
 #include "io/camera_plausibility.h"
+#include "io/known_cameras.h"
 
 namespace rds {
 namespace {
 
 namespace fs = std::filesystem;
 
-const std::vector<std::string> kKeys = {"width",      "height",           "fx",          "fy",         "cx",     "cy",
-                                        "distortion", "distortion_model", "depth_scale", "baseline_m", "unusual"};
+constexpr double kMostRollingShutter_s = 0.1;
+constexpr double kStereoNoise_px = 0.25;  // of a disparity at a corner
+constexpr double kLeastDepthNoise_m = 1e-4;
+
+const std::vector<std::string> kKeys = {"width",       "height",     "fx",          "fy",
+                                        "cx",          "cy",         "distortion",  "distortion_model",
+                                        "depth_scale", "baseline_m", "depth_noise", "rolling_shutter_s",
+                                        "unusual"};
 
 // Reads typed values out of one YAML mapping; every error names file, line and key.
 class CameraReader {
@@ -56,6 +63,39 @@ class CameraReader {
       throw Error(root_[key], fmt::format("'{}' is {}, it must be a whole number of pixels", key, value));
     }
     return static_cast<int>(value);
+  }
+  [[nodiscard]] double Within(const char* key, double least, double most) const {
+    const double value = Number(Required(key), key);
+    if (!(value >= least && value <= most)) {
+      throw Error(root_[key], fmt::format("'{}' is {}, it must be from {} to {}", key, value, least, most));
+    }
+    return value;
+  }
+  // A kind of sensor, or two numbers.
+  void ReadDepthNoise(PinholeCamera& camera) const {
+    const YAML::Node node = root_["depth_noise"];
+    if (!node) {
+      return;
+    }
+    const std::string name = node.IsScalar() ? node.Scalar() : "";
+    if (name == "structured_light") {
+      camera.depth_noise = DepthNoiseModel{};
+    } else if (name == "stereo") {
+      camera.depth_noise = {0.002, kStereoNoise_px / (camera.fx * camera.baseline_m)};
+    } else if (name == "time_of_flight") {
+      camera.depth_noise = {0.01, 0};
+    } else if (node.IsSequence() && node.size() == 2) {
+      camera.depth_noise = {Number(node[0], "depth_noise"), Number(node[1], "depth_noise")};
+      if (!(camera.depth_noise.constant_m >= 0 && camera.depth_noise.constant_m <= 1 &&
+            camera.depth_noise.quadratic_per_m >= 0 && camera.depth_noise.quadratic_per_m <= 1 &&
+            camera.depth_noise.Sigma_m(1) >= kLeastDepthNoise_m)) {
+        throw Error(node, "'depth_noise' must be two numbers from 0 to 1, of a tenth of a millimeter at 1 m at least");
+      }
+    } else {
+      throw Error(node,
+                  "'depth_noise' must be structured_light, stereo or time_of_flight, or [constant in m, quadratic in "
+                  "1/m]: the standard deviation at a depth is constant + quadratic * depth^2");
+    }
   }
   // Four numbers or five, or eight with the rational model.
   void ReadDistortion(PinholeCamera& camera) const {
@@ -131,6 +171,14 @@ PinholeCamera ReadOwn(const fs::path& path, const YAML::Node& root) {
   if (reader.Has("baseline_m")) {
     camera.baseline_m = reader.Positive("baseline_m");
   }
+  if (const NamedCamera* known = FindKnownCamera(camera)) {
+    camera.depth_noise = known->camera.depth_noise;
+    camera.rolling_shutter_s = known->camera.rolling_shutter_s;
+  }
+  reader.ReadDepthNoise(camera);
+  if (reader.Has("rolling_shutter_s")) {
+    camera.rolling_shutter_s = reader.Within("rolling_shutter_s", 0, kMostRollingShutter_s);
+  }
   camera.unusual = reader.IsUnusual();
   return camera;
 }
@@ -193,14 +241,17 @@ std::string FormatCamera(const PinholeCamera& camera) {
   return fmt::format(
       "width: {}  # pixels\nheight: {}\nfx: {}  # pixels\nfy: {}\ncx: {}\ncy: {}\n"
       "{}distortion: [{}]  # {}\n"
-      "depth_scale: {}  # units of a depth image in a meter\nbaseline_m: {}\n{}",
+      "depth_scale: {}  # units of a depth image in a meter\nbaseline_m: {}\n"
+      "depth_noise: [{}, {}]  # standard deviation, m: constant + quadratic * depth^2\n"
+      "rolling_shutter_s: {}  # from the first row to the last\n{}",
       camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy,
       fisheye ? "distortion_model: fisheye\n" : "",
       fmt::join(d.begin(), d.begin() + static_cast<std::ptrdiff_t>(count), ", "),
       fisheye    ? "k1, k2, k3, k4"
       : rational ? "k1, k2, p1, p2, k3, k4, k5, k6"
                  : "k1, k2, p1, p2, k3",
-      camera.depth_scale, camera.baseline_m, camera.unusual ? "unusual: true\n" : "");
+      camera.depth_scale, camera.baseline_m, camera.depth_noise.constant_m, camera.depth_noise.quadratic_per_m,
+      camera.rolling_shutter_s, camera.unusual ? "unusual: true\n" : "");
 }
 
 }  // namespace rds

@@ -134,5 +134,27 @@ TEST(ReadCamera, ReadsOpenCvRosAndOpen3dOnceTheScaleIsThere) {
   EXPECT_THAT(ErrorOf("K: [1, a]\n"), HasSubstr("a finite number is wanted"));
 }
 
+TEST(CameraFile, ReadsTheNoiseOfDepth) {
+  const auto noise = [](const std::string& line) { return Read(kBase + line).depth_noise; };
+  EXPECT_EQ(noise("depth_noise: structured_light\n").quadratic_per_m, DepthNoiseModel{}.quadratic_per_m);
+  EXPECT_EQ(noise("depth_noise: [0.003, 0.001]\n").Sigma_m(2), 0.003 + 0.001 * 4);
+  EXPECT_EQ(noise("depth_noise: time_of_flight\n").Sigma_m(1), noise("depth_noise: time_of_flight\n").Sigma_m(5));
+  // A wider baseline measures better.
+  EXPECT_LT(noise("baseline_m: 0.1\ndepth_noise: stereo\n").Sigma_m(3),
+            noise("baseline_m: 0.05\ndepth_noise: stereo\n").Sigma_m(3));
+  EXPECT_THAT(ErrorOf(kBase + "depth_noise: laser\n"), HasSubstr("structured_light, stereo or time_of_flight"));
+  EXPECT_THAT(ErrorOf(kBase + "depth_noise: [0, 0]\n"), HasSubstr("tenth of a millimeter"));
+  EXPECT_THAT(ErrorOf(kBase + "depth_noise: [0.001]\n"), HasSubstr("[constant in m, quadratic in 1/m]"));
+}
+
+TEST(CameraFile, ReadsTheRollingShutterAndKnowsThatOfKnownCameras) {
+  EXPECT_EQ(Read(kBase + "rolling_shutter_s: 0.015\n").rolling_shutter_s, 0.015);
+  EXPECT_THAT(ErrorOf(kBase + "rolling_shutter_s: 20\n"), HasSubstr("from 0 to 0.1"));
+  const std::string kinect =
+      "width: 640\nheight: 480\nfx: 517.3064\nfy: 516.4692\ncx: 318.643\ncy: 255.314\ndepth_scale: 5000\n";
+  EXPECT_GT(Read(kinect).rolling_shutter_s, 0);
+  EXPECT_EQ(Read(kinect + "rolling_shutter_s: 0\n").rolling_shutter_s, 0);
+}
+
 }  // namespace
 }  // namespace rds

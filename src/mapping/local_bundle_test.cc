@@ -45,7 +45,6 @@ struct Scene {
       keypoints.push_back(See(Truth(k), {0, 0, 2}));
       keypoints.push_back(keypoints.back());
       keypoints.back().depth_m = 0;
-      keypoints.back().right_x = -1;
       std::vector<Descriptor> descriptors(keypoints.size());
       const auto data = std::make_shared<const FrameData>(TestCamera(), std::move(keypoints), std::move(descriptors));
       Eigen::Matrix<double, 6, 1> error;

@@ -73,21 +73,9 @@ void LocalMapper::AddDepthPoints(Map& map, const Keyframe& keyframe, const Keyfr
   for (const std::uint32_t keypoint : candidate.blocked) {
     blocked[keypoint] = true;
   }
-  std::vector<std::pair<float, std::uint32_t>> by_depth;
-  for (std::size_t i = 0; i < data.size(); ++i) {
-    if (data.keypoints()[i].HasDepth() && !blocked[i]) {
-      by_depth.emplace_back(data.keypoints()[i].depth_m, static_cast<std::uint32_t>(i));
-    }
-  }
-  std::ranges::sort(by_depth);
-  const double close_m = options_.depth_threshold * data.camera().baseline_m;
   const Rigid3 world_from_camera = keyframe.camera_from_world.Inverse();
-  for (std::size_t rank = 0; rank < by_depth.size(); ++rank) {
-    const auto [depth_m, index] = by_depth[rank];
-    if (static_cast<double>(depth_m) > close_m && static_cast<int>(rank) >= options_.min_depth_points) {
-      break;
-    }
-    if (!keyframe.points[index].valid()) {
+  for (std::uint32_t index = 0; index < data.size(); ++index) {
+    if (data.keypoints()[index].HasDepth() && !blocked[index] && !keyframe.points[index].valid()) {
       const Eigen::Vector3d in_camera = data.keypoints()[index].PointIn(data.camera());
       const PointId point = map.AddPoint(world_from_camera * in_camera, keyframe.id, index);
       if (!candidate.probabilities.empty()) {
@@ -180,12 +168,11 @@ void LocalMapper::CullKeyframes(MapAccess& map, KeyframeId newest) {
 }
 
 bool LocalMapper::IsRedundant(const Map& map, const Keyframe& keyframe) const {
-  const double close_m = options_.depth_threshold * keyframe.data->camera().baseline_m;
   int examined = 0;
   int redundant = 0;
   for (std::size_t i = 0; i < keyframe.points.size(); ++i) {
     const Keypoint& keypoint = keyframe.data->keypoints()[i];
-    if (!keyframe.points[i].valid() || !keypoint.HasDepth() || static_cast<double>(keypoint.depth_m) > close_m) {
+    if (!keyframe.points[i].valid() || !keypoint.HasDepth()) {
       continue;
     }
     ++examined;

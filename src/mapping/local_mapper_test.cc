@@ -25,7 +25,7 @@ Keypoint At(double x, double y, double depth_m) {
   keypoint.x = keypoint.raw_x = static_cast<float>(x);
   keypoint.y = keypoint.raw_y = static_cast<float>(y);
   keypoint.depth_m = static_cast<float>(depth_m);
-  keypoint.right_x = depth_m > 0 ? static_cast<float>(x - TestCamera().Bf() / depth_m) : -1.0F;
+  keypoint.depth_sigma_m = static_cast<float>(TestCamera().depth_noise.Sigma_m(depth_m));
   return keypoint;
 }
 
@@ -114,22 +114,11 @@ TEST(LocalMapper, BlockedKeypointsMakeNoPoint) {
   EXPECT_FALSE(keyframe.points[3].valid() || keyframe.points[7].valid());
 }
 
-TEST(LocalMapper, FarPointsAreMadeOnlyUntilThereAreEnough) {
+TEST(LocalMapper, FarDepthMakesPointsToo) {
   Scene scene;
-  scene.options.min_depth_points = 8;
   LocalMapper mapper = scene.Mapper();
-  // 40 baselines are 3.2 m: five keypoints are closer, the others farther.
-  std::vector<Keypoint> keypoints = Row(20, 2.75, 0.1);
-  std::ranges::reverse(keypoints);  // the order in the image does not matter
-  const Keyframe& keyframe = scene.map.At(mapper.Insert(scene.map, scene.Candidate(keypoints)));
-  EXPECT_EQ(scene.map.point_count(), 8U);
-  EXPECT_TRUE(keyframe.points[12].valid());
-  EXPECT_FALSE(keyframe.points[11].valid());
-  Scene close;
-  close.options.min_depth_points = 2;
-  LocalMapper other = close.Mapper();
-  other.Insert(close.map, close.Candidate(keypoints));
-  EXPECT_EQ(close.map.point_count(), 5U);  // all close ones, however few are demanded
+  mapper.Insert(scene.map, scene.Candidate(Row(20, 2.75, 0.5)));  // up to 12 m
+  EXPECT_EQ(scene.map.point_count(), 20U);
 }
 
 TEST(LocalMapper, NewPointsStartFromWhatTheirTracksKnow) {

@@ -16,8 +16,6 @@ struct LocalBundleOptions {
 };
 
 struct MappingOptions {
-  double depth_threshold = 40;     // in baselines: depth below it is close, and points are made from it ...
-  int min_depth_points = 100;      // ... and from at least so many of the nearest keypoints with depth
   int probation_keyframes = 3;     // keyframes for which a new point is on probation
   double min_found_ratio = 0.25;   // of the frames that should see it, for a point on probation
   int min_observations = 2;        // that a point needs two keyframes after it was made

@@ -3,8 +3,9 @@
 
 #include <algorithm>
 
+#include "feature/keypoint_observation.h"
 #include "feature/matching.h"
-#include "optim/observation.h"
+#include "optim/reprojection.h"
 
 namespace rds {
 namespace {
@@ -59,25 +60,20 @@ std::optional<Correction> SolveFusion(const FusionProblem& problem) {
     }
     const int level = pyramid.PredictLevel(point.max_distance_m, static_cast<float>(distance));
     const float radius = kWindow_px * pyramid.scale[static_cast<std::size_t>(level)];
-    const double right_x = pixel.x() - camera.Bf() / in_camera.z();
     int best = kStrictDistance + 1;
     std::uint32_t chosen = 0;
-    data.ForEachInWindow(
-        static_cast<float>(pixel.x()), static_cast<float>(pixel.y()), radius, level - 1, level,
-        [&](const FrameData::GridItem& item) {
-          const bool has_depth = data.keypoints()[item.index].HasDepth();
-          const double dx = pixel.x() - static_cast<double>(item.x);
-          const double dy = pixel.y() - static_cast<double>(item.y);
-          const double dr = has_depth ? right_x - static_cast<double>(item.right_x) : 0.0;
-          if ((dx * dx + dy * dy + dr * dr) * pyramid.inverse_sigma2[item.octave] > Chi2Bound(has_depth)) {
-            return;
-          }
-          const int hamming = HammingDistance(point.descriptor, data.descriptors()[item.index]);
-          if (hamming < best) {
-            best = hamming;
-            chosen = item.index;
-          }
-        });
+    data.ForEachInWindow(static_cast<float>(pixel.x()), static_cast<float>(pixel.y()), radius, level - 1, level,
+                         [&](const FrameData::GridItem& item) {
+                           const PixelObservation keypoint = ObservationOf(data.keypoints()[item.index], pyramid, 1);
+                           if (!IsInlier(keypoint, ReprojectionChi2(camera, keypoint, in_camera))) {
+                             return;
+                           }
+                           const int hamming = HammingDistance(point.descriptor, data.descriptors()[item.index]);
+                           if (hamming < best) {
+                             best = hamming;
+                             chosen = item.index;
+                           }
+                         });
     if (best <= kStrictDistance) {
       correction.matches.push_back({point.id, problem.version, chosen});
     }

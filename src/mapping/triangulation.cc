@@ -4,7 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "optim/observation.h"
+#include "feature/keypoint_observation.h"
+#include "optim/reprojection.h"
 
 namespace rds {
 namespace {
@@ -17,11 +18,10 @@ Eigen::Vector3d RayOf(const PinholeCamera& camera, const PointView& view) {
   return (view.camera_from_world.rotation.conjugate() * camera.Unproject(view.keypoint->Pixel(), 1.0)).normalized();
 }
 
-// Cosine of the angle under which the virtual stereo pair sees the keypoint's depth; 1 without depth.
-double StereoCosine(const PinholeCamera& camera, const Keypoint& keypoint) {
-  return keypoint.HasDepth()
-             ? std::cos(2.0 * std::atan2(0.5 * camera.baseline_m, static_cast<double>(keypoint.depth_m)))
-             : 1.0;
+// Standard deviation of the depth as a share of it; infinite without depth.
+double DepthShare(const Keypoint& keypoint) {
+  return keypoint.HasDepth() ? static_cast<double>(keypoint.depth_sigma_m / keypoint.depth_m)
+                             : std::numeric_limits<double>::infinity();
 }
 
 Eigen::Vector3d FromDepth(const PinholeCamera& camera, const PointView& view) {
@@ -42,17 +42,8 @@ Eigen::Vector3d Midpoint(const Eigen::Vector3d& center_a, const Eigen::Vector3d&
 bool Reprojects(const PinholeCamera& camera, const ScalePyramid& pyramid, const PointView& view,
                 const Eigen::Vector3d& point) {
   const Eigen::Vector3d in_camera = view.camera_from_world * point;
-  if (in_camera.z() <= 0) {
-    return false;
-  }
-  const Keypoint& keypoint = *view.keypoint;
-  const Eigen::Vector2d projected = camera.Project(in_camera);
-  double error2 = (projected - keypoint.Pixel()).squaredNorm();
-  if (keypoint.HasDepth()) {
-    const double right = projected.x() - camera.Bf() / in_camera.z() - static_cast<double>(keypoint.right_x);
-    error2 += right * right;
-  }
-  return error2 * pyramid.inverse_sigma2[keypoint.octave] <= Chi2Bound(keypoint.HasDepth());
+  const PixelObservation keypoint = ObservationOf(*view.keypoint, pyramid, 1);
+  return IsInlier(keypoint, ReprojectionChi2(camera, keypoint, in_camera));
 }
 
 }  // namespace
@@ -64,14 +55,17 @@ std::optional<Eigen::Vector3d> TriangulatePoint(const PinholeCamera& camera, con
   const Eigen::Vector3d ray_a = RayOf(camera, a);
   const Eigen::Vector3d ray_b = RayOf(camera, b);
   const double cosine = ray_a.dot(ray_b);
-  const double stereo_a = StereoCosine(camera, *a.keypoint);
-  const double stereo_b = StereoCosine(camera, *b.keypoint);
+  const double share_a = DepthShare(*a.keypoint);
+  const double share_b = DepthShare(*b.keypoint);
+  // A pixel to each side turns the parallax, and with it the distance, by so large a share.
+  const double parallax_share = std::hypot(pyramid.scale[a.keypoint->octave], pyramid.scale[b.keypoint->octave]) /
+                                camera.fx / std::sqrt(1.0 - cosine * cosine);
   Eigen::Vector3d point;
-  if (cosine > 0 && cosine < std::min({stereo_a, stereo_b, kMaxParallaxCosine})) {
+  if (cosine > 0 && cosine < kMaxParallaxCosine && parallax_share < std::min(share_a, share_b)) {
     point = Midpoint(center_a, ray_a, center_b, ray_b);
-  } else if (stereo_a < 1.0 && stereo_a <= stereo_b) {
+  } else if (a.keypoint->HasDepth() && share_a <= share_b) {
     point = FromDepth(camera, a);
-  } else if (stereo_b < 1.0) {
+  } else if (b.keypoint->HasDepth()) {
     point = FromDepth(camera, b);
   } else {
     return std::nullopt;

@@ -31,6 +31,20 @@ TEST(Triangulation, TakesDepthWhereTheRaysAreNearlyParallel) {
   EXPECT_FALSE(TriangulatePoint(TestCamera(), ScalePyramid(), {&blind, kLeft}, {&b, near_left}).has_value());
 }
 
+TEST(Triangulation, TakesWhatIsMorePrecise) {
+  // 9 degrees between the rays, so a pixel is a centimeter and a half along them: depth of a centimeter wins, depth of
+  // a decimeter does not.
+  Keypoint a = See(kLeft, kPoint, true);
+  const Keypoint b = See(kRight, kPoint, false);
+  for (const float sigma_m : {0.01F, 0.1F}) {
+    a.depth_m = static_cast<float>(kPoint.z()) + 0.005F;
+    a.depth_sigma_m = sigma_m;
+    const auto found = TriangulatePoint(TestCamera(), ScalePyramid(), {&a, kLeft}, {&b, kRight});
+    ASSERT_TRUE(found.has_value());
+    EXPECT_NEAR(found->z() - kPoint.z(), sigma_m < 0.05F ? 0.005 : 0, 1e-4);
+  }
+}
+
 TEST(Triangulation, RefusesWhatDoesNotFit) {
   const Keypoint a = See(kLeft, kPoint, false);
   Keypoint off = See(kRight, kPoint, false);

@@ -57,7 +57,8 @@ Scene MakeScene(int poses, int fixed, int points, double pose_error, double poin
       observation.keypoint.pixel = pixel;
       observation.keypoint.inverse_sigma2 = std::pow(1.2, -2.0 * random.Index(8));
       if ((scene.problem.observations.size()) % 4 != 0) {
-        observation.keypoint.right_x = pixel.x() - TestCamera().Bf() / in_camera.z();
+        observation.keypoint.inverse_depth = 1 / in_camera.z();
+        observation.keypoint.depth_px = 40;
       }
       scene.problem.observations.push_back(observation);
       ++seen;
@@ -108,7 +109,7 @@ double Cost(const BundleProblem& problem, const std::vector<Rigid3>& poses,
     const Eigen::Vector2d projected = problem.camera.Project(in_camera);
     double squared = (keypoint.pixel - projected).squaredNorm();
     if (keypoint.HasDepth()) {
-      squared += std::pow(keypoint.right_x - (projected.x() - problem.camera.Bf() / in_camera.z()), 2);
+      squared += std::pow(keypoint.depth_px * (keypoint.inverse_depth - 1 / in_camera.z()), 2);
     }
     const double norm = keypoint.weight * std::sqrt(keypoint.inverse_sigma2 * squared);
     const double huber = keypoint.HasDepth() ? BundleOptions().huber_depth : BundleOptions().huber_mono;
@@ -205,7 +206,8 @@ TEST(AdjustBundle, WeightsScaleTheResiduals) {
   for (const double shift_px : {0.0, 0.5}) {
     BundleProblem::Observation observation;
     observation.keypoint.pixel = TestCamera().Project(problem.points[0]) + Eigen::Vector2d(0, shift_px);
-    observation.keypoint.right_x = observation.keypoint.pixel.x() - TestCamera().Bf() / 2;
+    observation.keypoint.inverse_depth = 0.5;
+    observation.keypoint.depth_px = 40;
     observation.keypoint.weight = shift_px == 0 ? 1.0 : 0.5;
     problem.observations.push_back(observation);
   }

@@ -36,7 +36,8 @@ BundleProblem MakeProblem(double error_px) {
       keypoint.pixel =
           problem.camera.Project(in_camera) + error_px * Eigen::Vector2d(random.Uniform(-1, 1), random.Uniform(-1, 1));
       if ((pose + i) % 2 == 0) {
-        keypoint.right_x = keypoint.pixel.x() - problem.camera.Bf() / in_camera.z() + error_px * random.Uniform(-1, 1);
+        keypoint.depth_px = random.Uniform(20, 60);
+        keypoint.inverse_depth = 1 / in_camera.z() + error_px / keypoint.depth_px * random.Uniform(-1, 1);
       }
       keypoint.inverse_sigma2 = random.Uniform(0.3, 1);
       keypoint.weight = random.Uniform(0.2, 1);
@@ -77,9 +78,8 @@ Eigen::VectorXd Residuals(const BundleProblem& problem, const Eigen::VectorXd& c
     const PixelObservation& keypoint = observation.keypoint;
     const Eigen::Vector3d in_camera = poses[observation.pose] * points[observation.point];
     const Eigen::Vector2d projected = problem.camera.Project(in_camera);
-    const double right_x = projected.x() - problem.camera.Bf() / in_camera.z();
     residuals.segment<2>(at) = keypoint.pixel - projected;
-    residuals[at + 2] = keypoint.HasDepth() ? keypoint.right_x - right_x : 0;
+    residuals[at + 2] = keypoint.depth_px * (keypoint.inverse_depth - 1 / in_camera.z());
     residuals.segment<3>(at) *= keypoint.weight * std::sqrt(keypoint.inverse_sigma2);
     at += 3;
   }

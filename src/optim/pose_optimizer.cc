@@ -31,8 +31,9 @@ using Lanes = Eigen::Array<double, kLanes, 1>;
 
 struct Block {
   Lanes x, y, z;        // point in the world
-  Lanes u, v, right_x;  // measured, px
-  Lanes has_depth;      // 0 or 1
+  Lanes u, v;           // measured, px
+  Lanes inverse_depth;  // measured, 1 / m
+  Lanes depth_px;       // 0 = no depth
   Lanes huber;          // threshold on the weighted residual's norm
   Lanes information;    // weight^2 inverse_sigma2, 0 = does not take part
 };
@@ -60,7 +61,8 @@ bool IsUsable(const PoseObservation& observation) {
                                                 observation.point_in_world.z(),
                                                 keypoint.pixel.x(),
                                                 keypoint.pixel.y(),
-                                                keypoint.right_x,
+                                                keypoint.inverse_depth,
+                                                keypoint.depth_px,
                                                 keypoint.inverse_sigma2,
                                                 keypoint.weight};
   return std::all_of(values.begin(), values.end(), [](double value) { return std::abs(value) < kMaxInput; });
@@ -89,7 +91,8 @@ class Problem {
 Problem::Problem(const PinholeCamera& camera, std::span<const PoseObservation> observations, const PosePrior* prior)
     : camera_(camera), observations_(observations), prior_(prior), usable_(observations.size()) {
   Block empty;
-  for (Lanes* lanes : {&empty.x, &empty.y, &empty.u, &empty.v, &empty.right_x, &empty.has_depth, &empty.information}) {
+  for (Lanes* lanes :
+       {&empty.x, &empty.y, &empty.u, &empty.v, &empty.inverse_depth, &empty.depth_px, &empty.information}) {
     lanes->setZero();
   }
   empty.z.setOnes();
@@ -111,8 +114,8 @@ Problem::Problem(const PinholeCamera& camera, std::span<const PoseObservation> o
     block.u[lane] = observation.keypoint.pixel.x();
     block.v[lane] = observation.keypoint.pixel.y();
     const bool has_depth = observation.keypoint.HasDepth();
-    block.right_x[lane] = has_depth ? observation.keypoint.right_x : 0.0;
-    block.has_depth[lane] = has_depth ? 1.0 : 0.0;
+    block.inverse_depth[lane] = has_depth ? observation.keypoint.inverse_depth : 0.0;
+    block.depth_px[lane] = has_depth ? observation.keypoint.depth_px : 0.0;
     block.huber[lane] = has_depth ? huber_depth : huber_mono;
   }
 }
@@ -157,7 +160,6 @@ NormalEquations Problem::Evaluate(const Rigid3& camera_from_world, bool robust) 
   const Eigen::Vector3d& t = camera_from_world.translation;
   const double fx = camera_.fx;
   const double fy = camera_.fy;
-  const double bf = camera_.Bf();
 
   Lanes cost = Lanes::Zero();
   Lanes c0 = cost, c1 = cost, c2 = cost, d0 = cost, d1 = cost, d2 = cost;        // gradient
@@ -173,12 +175,11 @@ NormalEquations Problem::Evaluate(const Rigid3& camera_from_world, bool robust) 
     const Lanes inverse_z = qz.max(kMinReprojectionDepth_m).inverse();
     const Lanes x = qx * inverse_z;
     const Lanes y = qy * inverse_z;
-    const Lanes projected_u = fx * x + camera_.cx;
-    const Lanes error_u = block.u - projected_u;
+    const Lanes error_u = block.u - (fx * x + camera_.cx);
     const Lanes error_v = block.v - (fy * y + camera_.cy);
-    const Lanes error_right = block.has_depth * (block.right_x - (projected_u - bf * inverse_z));
+    const Lanes error_depth = block.depth_px * (block.inverse_depth - inverse_z);
 
-    const Lanes squared = block.information * (error_u * error_u + error_v * error_v + error_right * error_right);
+    const Lanes squared = block.information * (error_u * error_u + error_v * error_v + error_depth * error_depth);
     Lanes weight = block.information;
     if (robust) {
       const Lanes norm = squared.sqrt();
@@ -189,19 +190,18 @@ NormalEquations Problem::Evaluate(const Rigid3& camera_from_world, bool robust) 
       cost += squared;
     }
 
-    // Rows of G: u (-gu, 0, gu x), v (0, -gv, gv y), right (-gu, 0, gu x - bf / z^2).
+    // Rows of G: u (-gu, 0, gu x), v (0, -gv, gv y), depth (0, 0, depth_px / z^2).
     const Lanes gu = fx * inverse_z;
     const Lanes gv = fy * inverse_z;
     const Lanes guz = gu * x;
     const Lanes gvz = gv * y;
-    const Lanes grz = block.has_depth * (guz - bf * inverse_z * inverse_z);
-    const Lanes gr = block.has_depth * gu;
+    const Lanes gdz = block.depth_px * inverse_z * inverse_z;
     const Lanes weighted_u = weight * error_u;
     const Lanes weighted_v = weight * error_v;
-    const Lanes weighted_right = weight * error_right;
-    const Lanes g0 = -(gu * weighted_u + gr * weighted_right);
+    const Lanes weighted_depth = weight * error_depth;
+    const Lanes g0 = -(gu * weighted_u);
     const Lanes g1 = -(gv * weighted_v);
-    const Lanes g2 = guz * weighted_u + gvz * weighted_v + grz * weighted_right;
+    const Lanes g2 = guz * weighted_u + gvz * weighted_v + gdz * weighted_depth;
     c0 += g0;
     c1 += g1;
     c2 += g2;
@@ -209,11 +209,11 @@ NormalEquations Problem::Evaluate(const Rigid3& camera_from_world, bool robust) 
     d1 += qz * g0 - qx * g2;
     d2 += qx * g1 - qy * g0;
 
-    const Lanes h00 = weight * (gu * gu + gr * gr);
-    const Lanes h02 = -weight * (gu * guz + gr * grz);
+    const Lanes h00 = weight * gu * gu;
+    const Lanes h02 = -weight * gu * guz;
     const Lanes h11 = weight * gv * gv;
     const Lanes h12 = -weight * gv * gvz;
-    const Lanes h22 = weight * (guz * guz + gvz * gvz + grz * grz);
+    const Lanes h22 = weight * (guz * guz + gvz * gvz + gdz * gdz);
     a00 += h00;
     a02 += h02;
     a11 += h11;

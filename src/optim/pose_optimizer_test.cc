@@ -39,7 +39,8 @@ PoseObservation Observe(const Rigid3& camera_from_world, const Eigen::Vector3d& 
   observation.point_in_world = camera_from_world.Inverse() * point_in_camera;
   observation.keypoint.pixel = camera.Project(point_in_camera);
   if (has_depth) {
-    observation.keypoint.right_x = observation.keypoint.pixel.x() - camera.Bf() / point_in_camera.z();
+    observation.keypoint.inverse_depth = 1 / point_in_camera.z();
+    observation.keypoint.depth_px = 40;
   }
   return observation;
 }
@@ -56,7 +57,7 @@ std::vector<PoseObservation> Scene(int count, double noise, int outliers, std::u
     keypoint.inverse_sigma2 = 1 / (sigma_px * sigma_px);
     keypoint.pixel += noise * sigma_px * Eigen::Vector2d(random.Gaussian(0, 1), random.Gaussian(0, 1));
     if (keypoint.HasDepth()) {
-      keypoint.right_x += noise * sigma_px * random.Gaussian(0, 1);
+      keypoint.inverse_depth += noise * sigma_px / keypoint.depth_px * random.Gaussian(0, 1);
     }
     if (i < outliers) {
       keypoint.pixel += Eigen::Vector2d(random.Uniform(30, 80), random.Uniform(-80, -30));
@@ -238,7 +239,7 @@ TEST(OptimizePose, IgnoresNonsense) {
   observations[1].keypoint.pixel.x() = nan;
   observations[2].keypoint.inverse_sigma2 = infinity;
   observations[3].point_in_world *= 1e300;
-  observations[4].keypoint.right_x = infinity;
+  observations[4].keypoint.inverse_depth = infinity;
   observations[5].point_in_world = kTruth.Inverse() * Eigen::Vector3d(1, 1, 0);
   observations[6].point_in_world = kTruth.Inverse() * Eigen::Vector3d(1, 1, 1e-300);
   const PoseResult result = OptimizePose(TestCamera(), Start(0.02), observations);
@@ -295,7 +296,7 @@ TEST(OptimizePose, PriorAndObservationsShareWhatTheySay) {
   std::vector<PoseObservation> observations(3, observation);
   PosePrior prior = Around({}, 1e-6);  // rigid but for a shift along x
   prior.camera_from_world.translation.x() = 1e-3;
-  prior.information(0, 0) = 3 * 2 * 525.0 * 525.0 / 4;  // three observations, left and right image, (f / z)^2
+  prior.information(0, 0) = 3 * 525.0 * 525.0 / 4;  // three observations, (f / z)^2
   const PoseResult result = OptimizePose(TestCamera(), prior.camera_from_world, observations, {}, &prior);
   EXPECT_NEAR(result.camera_from_world.translation.x(), 0.5e-3, 1e-5);
 }

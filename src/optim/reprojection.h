@@ -13,14 +13,14 @@ namespace rds {
 // Points nearer than this (meters) count as behind the camera.
 inline constexpr double kMinReprojectionDepth_m = 1e-6;
 
-// Measured minus projected (x, y, right_x), px; the third row is zero without depth. The point has z > 0.
+// Measured minus projected (x, y, depth_px * inverse depth), px; the third row is zero without depth. The point has z >
+// 0.
 inline Eigen::Vector3d ReprojectionError(const PinholeCamera& camera, const PixelObservation& keypoint,
                                          const Eigen::Vector3d& point_in_camera) {
   const double inverse_z = 1.0 / point_in_camera.z();
   const double u = camera.fx * point_in_camera.x() * inverse_z + camera.cx;
   const double v = camera.fy * point_in_camera.y() * inverse_z + camera.cy;
-  return {keypoint.pixel.x() - u, keypoint.pixel.y() - v,
-          keypoint.HasDepth() ? keypoint.right_x - (u - camera.Bf() * inverse_z) : 0.0};
+  return {keypoint.pixel.x() - u, keypoint.pixel.y() - v, keypoint.depth_px * (keypoint.inverse_depth - inverse_z)};
 }
 
 // Derivative of ReprojectionError by the point.
@@ -31,11 +31,10 @@ inline Eigen::Matrix3d ReprojectionJacobian(const PinholeCamera& camera, const P
   const double gy = camera.fy * inverse_z;
   const double gxz = gx * point_in_camera.x() * inverse_z;
   const double gyz = gy * point_in_camera.y() * inverse_z;
-  const bool depth = keypoint.HasDepth();
   Eigen::Matrix3d jacobian;
   jacobian << -gx, 0, gxz,  //
       0, -gy, gyz,          //
-      depth ? -gx : 0, 0, depth ? gxz - camera.Bf() * inverse_z * inverse_z : 0;
+      0, 0, keypoint.depth_px * inverse_z * inverse_z;
   return jacobian;
 }
 

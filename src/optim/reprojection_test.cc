@@ -22,7 +22,8 @@ PinholeCamera TestCamera() {
 PixelObservation TestKeypoint(bool has_depth) {
   PixelObservation keypoint;
   keypoint.pixel = {300, 200};
-  keypoint.right_x = has_depth ? 280 : -1;
+  keypoint.inverse_depth = has_depth ? 0.5 : 0;
+  keypoint.depth_px = has_depth ? 120 : 0;
   keypoint.inverse_sigma2 = 0.6;
   keypoint.weight = 0.7;
   return keypoint;
@@ -36,7 +37,7 @@ TEST(Reprojection, ErrorIsMeasuredMinusProjected) {
   const Eigen::Vector3d with = ReprojectionError(camera, TestKeypoint(true), kPoint);
   EXPECT_NEAR(with.x(), 300 - projected.x(), 1e-12);
   EXPECT_NEAR(with.y(), 200 - projected.y(), 1e-12);
-  EXPECT_NEAR(with.z(), 280 - (projected.x() - camera.fx * camera.baseline_m / kPoint.z()), 1e-12);
+  EXPECT_NEAR(with.z(), 120 * (0.5 - 1 / kPoint.z()), 1e-12);
   const Eigen::Vector3d without = ReprojectionError(camera, TestKeypoint(false), kPoint);
   EXPECT_EQ(without.head<2>(), with.head<2>());
   EXPECT_EQ(without.z(), 0);

@@ -12,7 +12,6 @@ std::unique_ptr<Tracker> FrontEnd::MakeTracker() const {
   TrackerSetup setup;
   setup.pose = options_.pose;
   setup.surface = options_.propagation.surface;
-  setup.depth_threshold = options_.mapping.depth_threshold;
   setup.semantics = lanes_.semantics.HasSegmenter();
   setup.pyramid = pyramid_;
   return std::make_unique<Tracker>(options_.tracking, setup, lanes_.backend.probabilities());

@@ -40,6 +40,8 @@ class FrontEnd {
   // The pose of the last frame is that of a keyframe.
   void HangLastOn(KeyframeId keyframe) { trajectory_.HangLastOn(keyframe); }
 
+  // As the tracker's.
+  [[nodiscard]] Tangent6 Velocity() const { return tracker_->Velocity(); }
   [[nodiscard]] const TrajectoryRecorder& trajectory() const { return trajectory_; }
   [[nodiscard]] std::shared_ptr<const LocalMap> CurrentLocalMap() const { return lanes_.backend.CurrentLocalMap(); }
 

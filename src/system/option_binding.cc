@@ -83,14 +83,15 @@ void BindPolicy(KeyframePolicyOptions& options, OptionTable& table) {
                "rule by which a frame becomes a keyframe");
   table.Int("keyframe.max_frames", options.max_frames, 1, 10000,
             "a keyframe is made after this many frames at the latest");
-  table.Int("keyframe.min_frames", options.min_frames, 0, 10000, "frames between keyframes unless tracking is weak");
+  table.Int("keyframe.min_frames", options.min_frames, 0, 10000,
+            "frames between keyframes unless the view changes fast");
   table.Real("keyframe.tracked_ratio", options.tracked_ratio, 0, 1,
              "a keyframe is wanted below this ratio of tracked points to those of the reference keyframe");
-  table.Real("keyframe.weak_ratio", options.weak_ratio, 0, 1,
-             "below this ratio it is wanted even while mapping is busy");
-  table.Int("keyframe.close_tracked", options.close_tracked, 0, 10000,
-            "a keyframe is wanted with fewer close points tracked than this ...");
-  table.Int("keyframe.close_untracked", options.close_untracked, 0, 10000,
+  table.Real("keyframe.shared_ratio", options.shared_ratio, 0, 1,
+             "a keyframe is wanted at once below this share of the reference keyframe's points");
+  table.Int("keyframe.depth_tracked", options.depth_tracked, 0, 10000,
+            "a keyframe is wanted at once with fewer keypoints with depth tracked than this ...");
+  table.Int("keyframe.depth_untracked", options.depth_untracked, 0, 10000,
             "... while there are more than this that could be tracked");
   table.Int("keyframe.min_inliers", options.min_inliers, 0, 10000, "inliers that a keyframe needs");
   table.Int("keyframe.paper_frames", options.paper_frames, 0, 10000, "paper: frames since the last keyframe");
@@ -102,10 +103,6 @@ void BindPolicy(KeyframePolicyOptions& options, OptionTable& table) {
 }
 
 void BindMapping(MappingOptions& options, LocalMapOptions& local_map, OptionTable& table) {
-  table.Real("mapping.depth_threshold", options.depth_threshold, 1, 1000,
-             "depth below this is close: points are made from it, and tracking asks for keyframes; in baselines");
-  table.Int("mapping.min_depth_points", options.min_depth_points, 0, 10000,
-            "number of nearest keypoints with depth from which points are made at any depth");
   table.Int("mapping.probation_keyframes", options.probation_keyframes, 1, 100,
             "keyframes for which a new point is on probation");
   table.Real("mapping.min_found_ratio", options.min_found_ratio, 0, 1,

@@ -98,9 +98,10 @@ FrameResult Slam::Impl::TrackFrame(const RgbdFrame& frame) {
 
   const std::shared_ptr<const PropagatedLabels> labels = executor_->NewestLabels(result.frame);
   const std::span<const SampleMotion> motion = labels ? std::span(labels->motion) : std::span<const SampleMotion>();
-  const IncomingFrame incoming{
-      result.frame, frame.timestamp_s,
-      std::make_shared<const FrameData>(extractor_.Extract(camera_, *frame.image, *frame.depth, motion)), frame.image};
+  const IncomingFrame incoming{result.frame, frame.timestamp_s,
+                               std::make_shared<const FrameData>(extractor_.Extract(camera_, *frame.image, *frame.depth,
+                                                                                    motion, front_end_.Velocity())),
+                               frame.image};
   result.timing.extraction_ms = watch.Milliseconds();
 
   const TrackOutcome outcome = front_end_.Track(incoming, front_end_.CurrentLocalMap(), labels);

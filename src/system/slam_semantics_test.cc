@@ -182,8 +182,8 @@ TEST(Slam, SequentialLabelsFallFartherAndFartherBehindAndBidirectionalOnesDoNot)
     Options options = SmallOptions(true);
     options.semantic.selection = selection;
     options.semantic.lockstep_delay_frames = 6;     // two masks in six frames
-    options.tracking.policy.close_tracked = 10000;  // each frame wants to be a keyframe
-    options.tracking.policy.close_untracked = 0;
+    options.tracking.policy.depth_tracked = 10000;  // each frame wants to be a keyframe
+    options.tracking.policy.depth_untracked = 0;
     options.semantic.start_frames = 0;
     Slam slam(MakeSyntheticCamera(320, 240), options, TrueMasks(frames));
     std::vector<int> delays;

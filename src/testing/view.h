@@ -31,7 +31,7 @@ inline Keypoint See(const Rigid3& camera_from_world, const Eigen::Vector3d& poin
   keypoint.y = keypoint.raw_y = static_cast<float>(pixel.y());
   if (depth) {
     keypoint.depth_m = static_cast<float>(in_camera.z());
-    keypoint.right_x = static_cast<float>(pixel.x() - camera.Bf() / in_camera.z());
+    keypoint.depth_sigma_m = static_cast<float>(camera.depth_noise.Sigma_m(in_camera.z()));
   }
   return keypoint;
 }

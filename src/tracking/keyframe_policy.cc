@@ -10,14 +10,20 @@ bool PaperRule(const KeyframeSituation& s, const KeyframePolicyOptions& o) {
          s.inliers >= o.paper_points && s.inliers < o.paper_ratio * s.reference_tracked_points;
 }
 
-// ORB-SLAM3's conditions for RGB-D: a reason of time or need, and a view that has changed.
+// ORB-SLAM3's conditions for RGB-D, a reason of time or need and a view that has changed; and one of our own: in a
+// rapid turn all points are new, none of them confirmed, and what the reference keyframe shares with the view says it.
 bool OrbSlam3Rule(const KeyframeSituation& s, const KeyframePolicyOptions& o) {
-  const bool few_close = s.close_tracked < o.close_tracked && s.close_untracked > o.close_untracked;
-  const bool weak = s.inliers < o.weak_ratio * s.reference_tracked_points || few_close;
+  constexpr int kTurnFrames = 2;  // none sooner than this in a turn
+  if (s.inliers <= o.min_inliers) {
+    return false;
+  }
+  const bool turned =
+      s.frames_since_keyframe >= kTurnFrames && s.reference_inliers < o.shared_ratio * s.reference_points;
+  const bool few_tracked = s.depth_tracked < o.depth_tracked && s.depth_untracked > o.depth_untracked;
   const bool due =
       s.frames_since_keyframe >= o.max_frames || (s.mapping_idle && s.frames_since_keyframe >= o.min_frames);
-  const bool new_view = s.inliers < o.tracked_ratio * s.reference_tracked_points || few_close;
-  return (due || weak) && new_view && s.inliers > o.min_inliers;
+  const bool new_view = s.inliers < o.tracked_ratio * s.reference_tracked_points;
+  return turned || few_tracked || (due && new_view);
 }
 
 }  // namespace

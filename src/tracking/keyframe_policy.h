@@ -14,8 +14,10 @@ struct KeyframeSituation {
   bool segmenter_idle = false;       // semantics run and the backlog holds nothing to label
   int inliers = 0;                   // matches that the pose stands on or could have stood on; no dynamic ones
   int reference_tracked_points = 0;  // confirmed points of the reference keyframe; no dynamic ones
-  int close_tracked = 0;             // close keypoints with depth that are matched
-  int close_untracked = 0;           // close keypoints with depth that are not
+  int reference_points = 0;          // all its points; no dynamic ones
+  int reference_inliers = 0;         // those of them among the inliers
+  int depth_tracked = 0;             // keypoints with depth that are matched
+  int depth_untracked = 0;           // those that are not
 };
 
 // Pure function of its arguments.

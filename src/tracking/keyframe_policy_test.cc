@@ -14,8 +14,10 @@ KeyframeSituation Calm() {
   s.mapping_idle = true;
   s.inliers = 98;
   s.reference_tracked_points = 100;
-  s.close_tracked = 200;
-  s.close_untracked = 10;
+  s.reference_points = 200;
+  s.reference_inliers = 150;
+  s.depth_tracked = 200;
+  s.depth_untracked = 10;
   return s;
 }
 
@@ -37,30 +39,34 @@ TEST(KeyframePolicy, ANewViewIsAKeyframeWhenMappingIsIdle) {
   EXPECT_TRUE(WantsKeyframe(s, options));
 }
 
-TEST(KeyframePolicy, SoonAfterAKeyframeOnlyWeakTrackingMakesAnother) {
+TEST(KeyframePolicy, SoonAfterAKeyframeOnlyAViewThatChangesFastMakesAnother) {
   const KeyframePolicyOptions options;
   KeyframeSituation s = Calm();
   s.frames_since_keyframe = options.min_frames - 1;
   s.inliers = static_cast<int>(options.tracked_ratio * 100) - 1;
   EXPECT_FALSE(WantsKeyframe(s, options));
-  s.inliers = static_cast<int>(options.weak_ratio * 100) - 1;
+  s.reference_inliers = static_cast<int>(options.shared_ratio * 200) - 1;  // however many new points are tracked
   EXPECT_TRUE(WantsKeyframe(s, options));
 }
 
-TEST(KeyframePolicy, WeakTrackingDoesNotWaitForMapping) {
+TEST(KeyframePolicy, ARapidTurnDoesNotWaitForMapping) {
   KeyframeSituation s = Calm();
   s.mapping_idle = false;
-  s.inliers = 24;
+  s.reference_tracked_points = 0;  // all points are new
+  s.reference_inliers = 99;
+  s.frames_since_keyframe = 2;
   EXPECT_TRUE(WantsKeyframe(s, {}));
+  s.frames_since_keyframe = 1;
+  EXPECT_FALSE(WantsKeyframe(s, {}));
 }
 
-TEST(KeyframePolicy, FewClosePointsTrackedWhereMoreCouldBe) {
+TEST(KeyframePolicy, FewPointsWithDepthTrackedWhereMoreCouldBe) {
   KeyframeSituation s = Calm();
   s.mapping_idle = false;
-  s.close_tracked = 99;
-  s.close_untracked = 71;
+  s.depth_tracked = 99;
+  s.depth_untracked = 71;
   EXPECT_TRUE(WantsKeyframe(s, {}));
-  s.close_untracked = 70;
+  s.depth_untracked = 70;
   EXPECT_FALSE(WantsKeyframe(s, {}));
 }
 

@@ -21,12 +21,14 @@ class MotionModel {
   void Forget() { velocity_.reset(); }
   // The motion to be expected within so many seconds; none if nothing was observed.
   [[nodiscard]] std::optional<Rigid3> Predict(double seconds) const;
+  // Of points at rest in the frame of the camera, m/s and rad/s; 0 if nothing was observed.
+  [[nodiscard]] Tangent6 Velocity() const { return velocity_.value_or(Tangent6::Zero()); }
   // How far a pose may be from its prediction over so many seconds; nothing where the options want no prior.
   [[nodiscard]] std::optional<PosePrior> Prior(const Rigid3& predicted_camera_from_world, double seconds) const;
 
  private:
   MotionOptions options_;
-  std::optional<Eigen::Matrix<double, 6, 1>> velocity_;  // (meters, radians) a second
+  std::optional<Tangent6> velocity_;  // (meters, radians) a second
 };
 
 }  // namespace rds

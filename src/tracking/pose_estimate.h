@@ -19,7 +19,6 @@ namespace rds {
 struct TrackerSetup {
   PoseOptimizerOptions pose;
   SurfaceLabelOptions surface;  // of the labels that Tracker::Track is given
-  double depth_threshold = 40;  // in baselines, as in MappingOptions: depth below it is close
   bool semantics = true;        // labels are expected at all
   ScalePyramid pyramid = ScalePyramid();
 };

@@ -115,9 +115,9 @@ std::vector<PointMatch> SearchLastFrame(const FrameData& last, std::span<const L
     }
     const Keypoint& keypoint = last.keypoints()[observation.keypoint];
     const float radius = static_cast<float>(window_px) * pyramid.scale[keypoint.octave];
-    const float right_x = x - static_cast<float>(camera.Bf() / point.z());
-    const Candidate best = FindBest(current, {x, y, right_x, radius, keypoint.octave - 1, keypoint.octave + 1},
-                                    last.descriptors()[observation.keypoint]);
+    const Candidate best =
+        FindBest(current, {x, y, static_cast<float>(point.z()), radius, keypoint.octave - 1, keypoint.octave + 1},
+                 last.descriptors()[observation.keypoint]);
     if (best.keypoint >= 0 && best.distance <= kLooseDistance) {
       angles[observation.point] = keypoint.angle_deg;
       set.Add({observation.point, static_cast<std::uint32_t>(best.keypoint), best.distance});
@@ -132,7 +132,6 @@ LocalSearch SearchLocalMap(const FrameData& current, const Rigid3& camera_from_w
                            const ScalePyramid& pyramid, std::span<const std::uint8_t> taken,
                            std::span<const std::uint8_t> occupied, double window_px, double ratio) {
   Projections all = ProjectAll(map, current, camera_from_world);
-  const auto bf = static_cast<float>(current.camera().Bf());
   LocalSearch result;
   MatchSet set(current.size());
   for (const std::uint32_t i : all.in_view) {
@@ -143,8 +142,7 @@ LocalSearch SearchLocalMap(const FrameData& current, const Rigid3& camera_from_w
     const float radius = static_cast<float>(window_px) * pyramid.scale[static_cast<std::size_t>(level)] *
                          (all.cosine[i] > kStraightCosine ? kStraightWindow : kObliqueWindow);
     const Candidate best =
-        FindBest(current, {all.u[i], all.v[i], all.u[i] - bf * all.inverse_depth[i], radius, level - 1, level},
-                 map.descriptors[i]);
+        FindBest(current, {all.u[i], all.v[i], 1 / all.inverse_depth[i], radius, level - 1, level}, map.descriptors[i]);
     if (best.keypoint >= 0 && best.distance <= kLooseDistance && best.IsDistinct(ratio) &&
         occupied[static_cast<std::size_t>(best.keypoint)] == 0) {
       set.Add({i, static_cast<std::uint32_t>(best.keypoint), best.distance});

@@ -97,9 +97,8 @@ TEST(SearchLastFrame, FindsTheKeypointsAroundAPredictedPose) {
 
 TEST(SearchLastFrame, ChecksDepthOctaveTurnAndAppearance) {
   Scene scene;
-  scene.Shows(1).right_x -= 10;  // in the right pixel, much nearer
-  scene.Shows(2).depth_m = 0;    // nothing known of its depth: nothing to disagree
-  scene.Shows(2).right_x = -1;
+  scene.Shows(1).depth_m *= 0.7F;  // in the right pixel, much nearer
+  scene.Shows(2).depth_m = 0;      // nothing known of its depth: nothing to disagree
   scene.Shows(3).octave = 1;
   scene.Shows(4).octave = 2;
   scene.Shows(5).angle_deg = 120;
@@ -162,10 +161,9 @@ TEST(SearchLocalMap, LeavesTakenPointsAndOccupiedKeypoints) {
 
 TEST(SearchLocalMap, ChecksDepthAndDistinctness) {
   Scene scene;
-  scene.Shows(1).right_x -= 30;
+  scene.Shows(1).depth_m *= 0.7F;
   Keypoint twin = scene.Shows(2);  // looks nearly the same, close by
   twin.x += 1;
-  twin.right_x += 1;
   Keypoint coarse = scene.Shows(3);  // the same, but of another octave
   coarse.octave = 1;
   scene.keypoints.insert(scene.keypoints.end(), {twin, coarse});

@@ -131,7 +131,6 @@ TEST(RansacPose, NeedsThreeKeypointsWithDepth) {
   const auto matches = Scene::Matches(0);
   for (std::size_t i = 2; i < kPoints; ++i) {
     scene.keypoints[i].depth_m = 0;
-    scene.keypoints[i].right_x = -1;
   }
   EXPECT_FALSE(scene.Ransac(matches, 3).has_value());
   scene.keypoints[2] = See(scene.pose, scene.map->Position(2));

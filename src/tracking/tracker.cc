@@ -238,20 +238,27 @@ KeyframeSituation Tracker::Situation(const WorkerStatus& status) const {
   situation.inliers = static_cast<int>(association.used.size() + association.deferred.size());
   const LocalKeyframe* reference = map_->Find(current_.reference);
   Check(reference != nullptr, "the reference keyframe is in the snapshot");
+  std::vector<std::uint8_t> inlier(map_->size(), 0);
+  for (const auto* matches : {&association.used, &association.deferred}) {
+    for (const PointMatch& match : *matches) {
+      inlier[match.point] = 1;
+    }
+  }
   for (const LocalKeyframe::Link& link : reference->links) {
     const bool dynamic =
         options_.association.use_semantics && probabilities_.State(map_->ids[link.point]) == PointState::kDynamic;
+    situation.reference_points += dynamic ? 0 : 1;
+    situation.reference_inliers += !dynamic && inlier[link.point] != 0 ? 1 : 0;
     situation.reference_tracked_points += map_->confirmed[link.point] != 0 && !dynamic ? 1 : 0;
   }
-  const double close_m = setup_.depth_threshold * current_.data->camera().baseline_m;
   std::vector<std::uint8_t> rejected(current_.data->size(), 0);
   for (const PointMatch& match : association.dynamic) {
     rejected[match.keypoint] = 1;
   }
   for (std::size_t i = 0; i < current_.data->size(); ++i) {
     const Keypoint& keypoint = current_.data->keypoints()[i];
-    if (keypoint.HasDepth() && static_cast<double>(keypoint.depth_m) < close_m && rejected[i] == 0) {
-      ++(current_.points[i].valid() ? situation.close_tracked : situation.close_untracked);
+    if (keypoint.HasDepth() && rejected[i] == 0) {
+      ++(current_.points[i].valid() ? situation.depth_tracked : situation.depth_untracked);
     }
   }
   return situation;

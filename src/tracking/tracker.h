@@ -52,6 +52,8 @@ class Tracker {
 
   // The frame just tracked as a keyframe; to be called at most once, after Track said wants_keyframe.
   [[nodiscard]] KeyframeCandidate MakeCandidate();
+  // Expected of points at rest in the frame of the camera, m/s and rad/s; 0 where nothing is known.
+  [[nodiscard]] Tangent6 Velocity() const { return motion_.Velocity(); }
   // Tells that the candidate was taken: the policy counts anew.
   void KeyframeTaken();
 

@@ -44,11 +44,11 @@ enum class KeyframeRule : std::uint8_t { kOrbSlam3, kPaper };
 struct KeyframePolicyOptions {
   KeyframeRule rule = KeyframeRule::kOrbSlam3;  // or the paper's (section II-A1)
   int max_frames = 30;                          // orb_slam3: a keyframe at the latest after so many frames
-  int min_frames = 6;           // none sooner than so many frames after the last, unless tracking is weak
+  int min_frames = 6;           // none sooner than so many frames after the last, unless the view changes fast
   double tracked_ratio = 0.95;  // of the reference keyframe's points: below this the view is new
-  double weak_ratio = 0.25;     // below this a keyframe is wanted even while mapping is busy
-  int close_tracked = 100;      // fewer close points tracked than this ...
-  int close_untracked = 70;     // ... while more than this could be: a keyframe is wanted
+  double shared_ratio = 0.5;    // of all its points: below this a keyframe is wanted even while mapping is busy
+  int depth_tracked = 100;      // fewer keypoints with depth tracked than this ...
+  int depth_untracked = 70;     // ... while more than this could be: a keyframe is wanted
   int min_inliers = 15;
   int paper_frames = 20;  // paper: frames since the last keyframe or recovery
   int paper_points = 50;
