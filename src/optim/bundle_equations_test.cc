@@ -36,7 +36,7 @@ BundleProblem MakeProblem(double error_px) {
       keypoint.pixel =
           problem.camera.Project(in_camera) + error_px * Eigen::Vector2d(random.Uniform(-1, 1), random.Uniform(-1, 1));
       if ((pose + i) % 2 == 0) {
-        keypoint.depth_px = random.Uniform(20, 60);
+        keypoint.depth_px = random.Uniform(40, 80);
         keypoint.inverse_depth = 1 / in_camera.z() + error_px / keypoint.depth_px * random.Uniform(-1, 1);
       }
       keypoint.inverse_sigma2 = random.Uniform(0.3, 1);
@@ -96,8 +96,8 @@ Reference SolveReference(const BundleProblem& problem, const Eigen::VectorXd& we
   const Eigen::VectorXd residuals = Residuals(problem, Eigen::VectorXd::Zero(kSize));
   Eigen::MatrixXd jacobian(residuals.size(), kSize);
   for (Eigen::Index i = 0; i < kSize; ++i) {
-    const Eigen::VectorXd step = 1e-6 * Eigen::VectorXd::Unit(kSize, i);
-    jacobian.col(i) = (Residuals(problem, step) - Residuals(problem, -step)) / 2e-6;
+    const Eigen::VectorXd step = 1e-5 * Eigen::VectorXd::Unit(kSize, i);
+    jacobian.col(i) = (Residuals(problem, step) - Residuals(problem, -step)) / 2e-5;
   }
   const Eigen::VectorXd gradient = jacobian.transpose() * weight.asDiagonal() * residuals;
   const Eigen::MatrixXd hessian = jacobian.transpose() * weight.asDiagonal() * jacobian;
@@ -141,7 +141,7 @@ TEST(BundleEquations, RobustStepReweightsLargeResiduals) {
   for (std::size_t i = 0; i < problem.observations.size(); ++i) {
     const auto at = 3 * static_cast<Eigen::Index>(i);
     const double norm = residuals.segment<3>(at).norm();
-    const double huber = problem.observations[i].keypoint.HasDepth() ? std::sqrt(7.815) : std::sqrt(5.991);
+    const double huber = problem.observations[i].keypoint.HasDepth() ? BundleOptions().huber_depth : BundleOptions().huber_mono;
     if (norm > huber) {
       weight.segment<3>(at).setConstant(huber / norm);
       ++reweighted;
