@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "system/front_end.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace rds {
@@ -55,6 +56,31 @@ void FrontEnd::MapKeyframeNow(const IncomingFrame& frame) {
   KeyframeCandidate candidate = tracker_->MakeCandidate();
   Map(candidate);
   Label(frame);
+}
+
+void FrontEnd::MapLabeledKeyframeNow() {
+  KeyframeCandidate candidate = tracker_->MakeCandidate();
+  Map(candidate);
+  tracker_->KeyframeTaken();
+}
+
+bool FrontEnd::CanBeginWith(const IncomingFrame& frame) const {
+  return std::ranges::count_if(frame.data->keypoints(), &Keypoint::HasDepth) >= LeastToBegin();
+}
+
+std::optional<TrackOutcome> FrontEnd::BeginAnew(const IncomingFrame& frame) {
+  if (!executor_.Status().mapping_idle) {
+    return std::nullopt;
+  }
+  StartAgain();
+  TrackOutcome outcome = Track(frame, nullptr, nullptr);
+  MapKeyframeNow(frame);
+  outcome.wants_keyframe = false;  // it is one
+  return outcome;
+}
+
+void FrontEnd::AskForLabel(const IncomingFrame& frame) {
+  executor_.Label({frame.id, frame.timestamp_s, frame.image, frame.data, false});
 }
 
 void FrontEnd::Propagate(const IncomingFrame& frame, const TrackOutcome& outcome) {

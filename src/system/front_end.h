@@ -33,6 +33,15 @@ class FrontEnd {
   // mapping or is being mapped, so that the mapping lane has one caller at a time. Such is the start: keyframes are not
   // offered until the first one is mapped, nor while the first frames wait for a label.
   void MapKeyframeNow(const IncomingFrame& frame);
+  // The same of a frame whose label has been asked for: it is not asked for again.
+  void MapLabeledKeyframeNow();
+  // Keypoints with depth, static if that is known, that a map needs to begin with.
+  [[nodiscard]] int LeastToBegin() const { return options_.tracking.min_start_points; }
+  [[nodiscard]] bool CanBeginWith(const IncomingFrame& frame) const;
+  // Forgets all poses and begins another world of the map with a frame just lost. Nothing while mapping is busy.
+  [[nodiscard]] std::optional<TrackOutcome> BeginAnew(const IncomingFrame& frame);
+  // Has a frame labeled that is no keyframe yet.
+  void AskForLabel(const IncomingFrame& frame);
   // Hands a tracked frame to the propagation of labels.
   void Propagate(const IncomingFrame& frame, const TrackOutcome& outcome);
   // Forgets all poses and propagated labels: the first frame is to come again. The map stays.
@@ -42,6 +51,7 @@ class FrontEnd {
 
   // As the tracker's.
   [[nodiscard]] Tangent6 Velocity() const { return tracker_->Velocity(); }
+  [[nodiscard]] std::optional<SemanticLane::Answer> NewestAnswer() const { return lanes_.semantics.NewestAnswer(); }
   [[nodiscard]] const TrajectoryRecorder& trajectory() const { return trajectory_; }
   [[nodiscard]] std::shared_ptr<const LocalMap> CurrentLocalMap() const { return lanes_.backend.CurrentLocalMap(); }
 

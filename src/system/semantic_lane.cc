@@ -48,6 +48,9 @@ LabeledRound SemanticLane::Segment(std::vector<BacklogItem> items) {
     const Image8& image = *round.items[i].image;
     if (const auto problem = MaskProblem(mask, image.width, image.height, options_.max_mask_ratio)) {
       ++round.failures;
+      if (mask.width == image.width && mask.height == image.height && mask.channels == 1) {
+        PublishAnswer(round.items[i], {});  // it covers nearly all: nothing static is to be seen
+      }
       WarnOfSegmentation(
           fmt::format("unusable mask of frame {} ({}): {}", round.items[i].frame.value, segmenter_->Name(), *problem));
       mask = {};
@@ -125,7 +128,9 @@ void SemanticLane::PublishLabeledViews(const LabeledRound& round) {
 
 LabelEvent SemanticLane::ApplyMask(const BacklogItem& item, const Image8& mask) {
   const Stopwatch watch;
-  LabelKeyframe(backend_, item.frame, LabelKeypoints(*item.data, mask), options_.free_space);
+  std::vector<KeypointLabel> labels = LabelKeypoints(*item.data, mask);
+  PublishAnswer(item, labels);
+  LabelKeyframe(backend_, item.frame, std::move(labels), options_.free_space);
   LabelEvent event;
   event.labeled_frame = item.frame;
   event.current_frame = FrameId{current_frame_.load(std::memory_order_relaxed)};
@@ -135,6 +140,21 @@ LabelEvent SemanticLane::ApplyMask(const BacklogItem& item, const Image8& mask) 
     mask_.Publish(std::make_shared<const MaskView>(MaskView{item.frame, std::make_shared<const Image8>(mask)}));
   }
   return event;
+}
+
+void SemanticLane::PublishAnswer(const BacklogItem& item, const std::vector<KeypointLabel>& labels) {
+  Answer answer{item.frame, 0};
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    answer.static_keypoints += labels[i] == KeypointLabel::kStatic && item.data->keypoints()[i].HasDepth() ? 1 : 0;
+  }
+  if (const auto newest = answer_.Get(); newest == nullptr || newest->frame < answer.frame) {
+    answer_.Publish(std::make_shared<const Answer>(answer));
+  }
+}
+
+std::optional<SemanticLane::Answer> SemanticLane::NewestAnswer() const {
+  const auto answer = answer_.Get();
+  return answer ? std::optional(*answer) : std::nullopt;
 }
 
 void SemanticLane::OptimizeFrom(FrameId frame) {

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -44,6 +45,12 @@ class SemanticLane {
   // The newest labeled keyframes with their poses, newest first; null before the first label.
   [[nodiscard]] std::shared_ptr<const std::vector<DepthView>> LabeledViews() const { return views_.Get(); }
   [[nodiscard]] MaskView NewestMask() const;
+  // What the newest mask leaves of its frame; nothing before the first.
+  struct Answer {
+    FrameId frame;
+    int static_keypoints = 0;  // with depth
+  };
+  [[nodiscard]] std::optional<Answer> NewestAnswer() const;
   // Newest frame that has been labeled; -1 before the first.
   [[nodiscard]] std::int64_t newest_labeled() const { return newest_labeled_.load(std::memory_order_relaxed); }
   // The newest frame that tracking has begun, for the events' sake.
@@ -58,6 +65,7 @@ class SemanticLane {
     int failures = 0;
   };
 
+  void PublishAnswer(const BacklogItem& item, const std::vector<KeypointLabel>& labels);
   // Logs the first few, and that there are more.
   void WarnOfSegmentation(const std::string& text);
   // Publishes the newest labeled views.
@@ -73,6 +81,7 @@ class SemanticLane {
   Backend& backend_;
   Guarded<Metrics> metrics_;
   Published<MaskView> mask_;
+  Published<Answer> answer_;
   int segmentation_warnings_ = 0;
   std::vector<DepthView> labeled_;  // the newest ones, newest first
   Published<std::vector<DepthView>> views_;

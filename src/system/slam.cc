@@ -88,13 +88,12 @@ FrameResult Slam::Impl::Process(const RgbdFrame& frame) {
 // Where a frame goes: extract, track, offer, remember.
 FrameResult Slam::Impl::TrackFrame(const RgbdFrame& frame) {
   const Stopwatch watch;
-  const auto labeled = [&] { return lanes_->semantics.newest_labeled() >= 0; };
   FrameResult result;
   result.frame = FrameId{frames_++};
   result.timestamp_s = frame.timestamp_s;
   lanes_->semantics.SetCurrentFrame(result.frame);
   executor_->BeginFrame(result.frame);
-  startup_.TrackAgainIfLabeled(labeled(), front_end_);
+  startup_.TrackAgainIfLabeled(front_end_);
 
   const std::shared_ptr<const PropagatedLabels> labels = executor_->NewestLabels(result.frame);
   const std::span<const SampleMotion> motion = labels ? std::span(labels->motion) : std::span<const SampleMotion>();
@@ -104,10 +103,11 @@ FrameResult Slam::Impl::TrackFrame(const RgbdFrame& frame) {
                                frame.image};
   result.timing.extraction_ms = watch.Milliseconds();
 
-  const TrackOutcome outcome = front_end_.Track(incoming, front_end_.CurrentLocalMap(), labels);
-  result.is_keyframe = outcome.wants_keyframe && !startup_.HoldsKeyframes() && front_end_.OfferKeyframe(incoming);
+  TrackOutcome outcome = front_end_.Track(incoming, front_end_.CurrentLocalMap(), labels);
+  result.is_keyframe = startup_.BeginAnewIfLost(incoming, front_end_, outcome) ||
+                       (outcome.wants_keyframe && !startup_.HoldsKeyframes() && front_end_.OfferKeyframe(incoming));
   front_end_.Propagate(incoming, outcome);
-  startup_.Keep(incoming, outcome, labeled(), front_end_);
+  startup_.Keep(incoming, outcome, front_end_);
 
   result.state = outcome.tracked                   ? TrackingState::kTracked
                  : front_end_.trajectory().empty() ? TrackingState::kNotInitialized

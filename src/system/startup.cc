@@ -1,52 +1,114 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "system/startup.h"
 
+#include <algorithm>
 #include <utility>
+
+#include "base/log.h"
 
 namespace rds {
 namespace {
 
 constexpr std::uint32_t kFramesBetweenKeyframes = 4;  // at least, among those tracked again
 constexpr int kWeakMatches = 30;                      // with fewer the first keyframe does not do any more
+constexpr int kMostVoid = 90;                         // frames more to wait where labels leave less
+constexpr int kYoung = 100;                           // frames tracked: what is older is not begun anew
+constexpr int kLeastLost = 5;
 
 }  // namespace
 
-void Startup::TrackAgainIfLabeled(bool labeled, FrontEnd& front_end) {
-  if (waiting_ && labeled) {
+bool Startup::HasUsableLabel(const FrontEnd& front_end) const {
+  const auto answer = front_end.NewestAnswer();
+  return answer && asked_.valid() && answer->frame == asked_ && answer->static_keypoints >= front_end.LeastToBegin();
+}
+
+void Startup::TrackAgainIfLabeled(FrontEnd& front_end) {
+  if (!waiting_ || frames_.empty()) {
+    return;
+  }
+  if (HasUsableLabel(front_end)) {
     waiting_ = false;
     TrackAgain(front_end);
+  } else if (const auto answer = front_end.NewestAnswer(); answer && answer->frame == asked_) {
+    ask_ = true;
   }
 }
 
 void Startup::TrackAgain(FrontEnd& front_end) {
   const std::vector<IncomingFrame> frames = std::move(frames_);
+  frames_.clear();
   front_end.StartAgain();
   std::shared_ptr<const LocalMap> map;  // none for the first frame: it is the first keyframe
   FrameId keyframe;
   for (const IncomingFrame& frame : frames) {
     const TrackOutcome outcome = front_end.Track(frame, map, nullptr);
-    front_end.Propagate(frame, outcome);
-    map = front_end.CurrentLocalMap();
-    if (!keyframe.valid()) {
-      keyframe = frame.id;
-      front_end.HangLastOn(map->FindByFrame(frame.id)->id);
+    if (!keyframe.valid() && !outcome.tracked) {
+      continue;  // too little to begin with
+    }
+    if (!keyframe.valid() && !mapped_) {
+      front_end.MapLabeledKeyframeNow();
+    } else if (!keyframe.valid()) {
+      front_end.HangLastOn(front_end.CurrentLocalMap()->FindByFrame(frame.id)->id);
     } else if (outcome.wants_keyframe && frame.id.value - keyframe.value >= kFramesBetweenKeyframes) {
       front_end.MapKeyframeNow(frame);
-      map = front_end.CurrentLocalMap();
-      keyframe = frame.id;
+    } else {
+      front_end.Propagate(frame, outcome);
+      continue;
     }
+    front_end.Propagate(frame, outcome);
+    map = front_end.CurrentLocalMap();
+    keyframe = frame.id;
   }
 }
 
-void Startup::Keep(const IncomingFrame& frame, const TrackOutcome& outcome, bool labeled, FrontEnd& front_end) {
+void Startup::Begin(FrameId frame) {
+  frames_.clear();
+  asked_ = frame;
+  ask_ = false;
+}
+
+bool Startup::BeginAnewIfLost(const IncomingFrame& frame, FrontEnd& front_end, TrackOutcome& outcome) {
+  if (front_end.trajectory().empty() || tracked_ > kYoung) {
+    return false;
+  }
+  tracked_ += outcome.tracked ? 1 : 0;
+  lost_ = outcome.tracked ? 0 : lost_ + (front_end.CanBeginWith(frame) ? 1 : 0);
+  if (lost_ < std::max(kLeastLost, tracked_ / 2) || !front_end.CanBeginWith(frame)) {
+    return false;
+  }
+  auto begun = front_end.BeginAnew(frame);
+  if (!begun) {
+    return false;
+  }
+  log::info("the map of {} frames is lost and begins anew with frame {}", tracked_, frame.id.value);
+  outcome = std::move(*begun);
+  Begin(frame.id);
+  mapped_ = true;
+  tracked_ = 1;
+  lost_ = 0;
+  return true;
+}
+
+void Startup::Keep(const IncomingFrame& frame, const TrackOutcome& outcome, FrontEnd& front_end) {
   if (!waiting_ || front_end.trajectory().empty()) {
     return;
   }
+  if (!asked_.valid()) {
+    asked_ = frame.id;
+  }
+  if (ask_ && front_end.CanBeginWith(frame)) {
+    Begin(frame.id);
+    mapped_ = false;
+    front_end.AskForLabel(frame);
+  }
   frames_.push_back(frame);
+  ++waited_;
   // A lost frame is not weak: the map cannot grow by it, and it may be the label that took its points away.
   const bool weak = frames_.size() > 1 && outcome.tracked && std::ssize(outcome.used) < kWeakMatches;
+  const bool awaits_better = ask_ || !mapped_;
+  const int most = awaits_better ? most_frames_ + kMostVoid : most_frames_;
   // If a label came while this frame was tracked, all are tracked again before the next one.
-  waiting_ = labeled || (!weak && std::ssize(frames_) < most_frames_);
+  waiting_ = HasUsableLabel(front_end) || ((awaits_better || !weak) && waited_ < most);
   if (!waiting_) {  // the map must grow, labeled or not
     frames_.clear();
   }

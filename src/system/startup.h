@@ -1,17 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-// The first frames, which are tracked again once a label tells what moves.
+// The first frames: which of them the map begins with, and that they are tracked again once a label tells what moves.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "system/front_end.h"
 
 namespace rds {
 
-// Before the first label nobody can tell what moves, and poses may follow people who fill the picture. So until then
-// the first keyframe stays the only one, for a limited number of frames. Once it is labeled, a new tracker goes through
-// all frames since, with keyframes where it wants them: of the first one's static points few may be left by then. One
-// caller.
+// A map is begun before anybody knows what moves, and from whatever is in view: it is not final. One caller.
+//
+// Until the first label the first keyframe stays the only one, for a limited number of frames, as poses may follow
+// people who fill the picture. Once it is labeled, a new tracker goes through all frames since, with keyframes where it
+// wants them: of the first one's static points few may be left by then. Where the label leaves next to nothing static,
+// the map begins with a later frame, the first whose label does; the frames before it have no pose.
+//
+// A young map that is lost begins anew with what is in view, once it has been lost for half as long as it was tracked.
 class Startup {
  public:
   // 0 frames: nothing is held back.
@@ -19,17 +24,28 @@ class Startup {
 
   // Whether keyframes are held back for now.
   [[nodiscard]] bool HoldsKeyframes() const { return waiting_ && !frames_.empty(); }
-  // Once there is a label while frames wait for it: they are tracked again. Takes as long as that.
-  void TrackAgainIfLabeled(bool labeled, FrontEnd& front_end);
-  // After each frame.
-  void Keep(const IncomingFrame& frame, const TrackOutcome& outcome, bool labeled, FrontEnd& front_end);
+  // Before each frame. If a label has come that frames wait for, they are tracked again. Takes as long as that.
+  void TrackAgainIfLabeled(FrontEnd& front_end);
+  // After each frame, with its outcome: begins the map anew with it if that is due, which makes it a
+  // tracked keyframe. Whether it was.
+  [[nodiscard]] bool BeginAnewIfLost(const IncomingFrame& frame, FrontEnd& front_end, TrackOutcome& outcome);
+  // After that.
+  void Keep(const IncomingFrame& frame, const TrackOutcome& outcome, FrontEnd& front_end);
 
  private:
+  [[nodiscard]] bool HasUsableLabel(const FrontEnd& front_end) const;
   void TrackAgain(FrontEnd& front_end);
+  void Begin(FrameId frame);
 
   int most_frames_;
   bool waiting_;
-  std::vector<IncomingFrame> frames_;  // since the first one that was tracked
+  std::vector<IncomingFrame> frames_;  // since the one that the map is to begin with
+  FrameId asked_;                      // that one: its label is awaited
+  bool mapped_ = true;                 // it is a keyframe already
+  bool ask_ = false;                   // its label leaves nothing: the next frame's is wanted
+  int waited_ = 0;                     // frames
+  int tracked_ = 0;                    // frames of this map
+  int lost_ = 0;                       // frames on end that had what a map can begin with
 };
 
 }  // namespace rds
