@@ -148,6 +148,13 @@ std::string ConcernsText(const PlaybackResult& playback, double rate) {
     text += fmt::format("left out: {} frames that cannot be read; the first: {}\n", playback.left_out,
                         playback.first_problem);
   }
+  if (const std::ptrdiff_t frames = UnexplainedFrames(playback.frames); frames > 0) {
+    text += fmt::format(
+        "unexplained: in {} frames the pose explains less than {:.0f} % of the depth image: much of what is seen "
+        "moves, or "
+        "the pose follows something that does (column confidence of frames.csv)\n",
+        frames, 100 * kUnexplained);
+  }
   if (const std::ptrdiff_t late = LateFrames(playback); late > 0) {
     text += fmt::format(
         "late: {} of {} frames began more than {:g} ms after they were due, by {:.2f} s at most: this "

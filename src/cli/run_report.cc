@@ -54,6 +54,16 @@ Json SemanticReport(const RunDescription& description, const PlaybackResult& pla
   return report;
 }
 
+std::vector<double> Confidences(const std::vector<FrameResult>& frames) {
+  std::vector<double> confidences;
+  for (const FrameResult& frame : frames) {
+    if (frame.confidence) {
+      confidences.push_back(*frame.confidence);
+    }
+  }
+  return confidences;
+}
+
 // What ended the run early; null if nothing did.
 Json ErrorText(const std::exception_ptr& error) {
   if (error == nullptr) {
@@ -86,6 +96,11 @@ std::optional<std::size_t> LostForGoodSince(const std::vector<FrameResult>& fram
                                     [](const FrameResult& frame) { return frame.state != TrackingState::kLost; });
   const auto lost = static_cast<std::size_t>(tracked - frames.rbegin());
   return lost > 0 ? std::optional(frames.size() - lost) : std::nullopt;
+}
+
+std::ptrdiff_t UnexplainedFrames(const std::vector<FrameResult>& frames) {
+  return std::ranges::count_if(frames,
+                               [](const FrameResult& frame) { return frame.confidence.value_or(1) < kUnexplained; });
 }
 
 std::ptrdiff_t LateFrames(const PlaybackResult& playback) {
@@ -125,6 +140,8 @@ Json RunReport(const RunDescription& description, const PlaybackResult& playback
   report["lost_for_good_since_s"] = lost_since ? Json(playback.frames[*lost_since].timestamp_s) : Json(nullptr);
   report["error"] = ErrorText(playback.error);
   report["late"] = LateFrames(playback);
+  report["confidence"] = SeriesJson(Confidences(playback.frames));
+  report["unexplained_frames"] = UnexplainedFrames(playback.frames);
   report["keyframes"] = slam.keyframes.size();
   report["map_points"] = slam.map.points.size();
   report["start_up_s"] =
@@ -150,14 +167,15 @@ std::string FramesCsv(const PlaybackResult& playback, const std::string& run_id)
   Check(playback.frames.size() == playback.start_delay_ms.size(), "a start delay for each frame");
   std::string csv =
       "frame,timestamp_s,state,total_ms,extraction_ms,matching_ms,pose_ms,local_map_ms,cpu_ms,static_matches,"
-      "unknown_matches,rejected_matches,keyframe,semantic_delay_frames,start_delay_ms,run\n";
+      "unknown_matches,rejected_matches,keyframe,confidence,semantic_delay_frames,start_delay_ms,run\n";
   for (std::size_t i = 0; i < playback.frames.size(); ++i) {
     const FrameResult& frame = playback.frames[i];
     const FrameTiming& timing = frame.timing;
-    csv += fmt::format("{},{:.6f},{},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},{},{},{},{},{},{:.3f},{}\n",
+    csv += fmt::format("{},{:.6f},{},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},{},{},{},{},{},{},{:.3f},{}\n",
                        frame.frame.value, frame.timestamp_s, ToString(frame.state), timing.total_ms,
                        timing.extraction_ms, timing.matching_ms, timing.pose_ms, timing.local_map_ms, timing.cpu_ms,
                        frame.static_matches, frame.unknown_matches, frame.rejected_matches, frame.is_keyframe ? 1 : 0,
+                       frame.confidence ? fmt::format("{:.3f}", *frame.confidence) : "",
                        frame.semantic_delay_frames ? std::to_string(*frame.semantic_delay_frames) : "",
                        playback.start_delay_ms[i], run_id);
   }

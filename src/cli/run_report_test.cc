@@ -22,6 +22,9 @@ PlaybackResult TenFrames() {
     frame.timing.total_ms = i + 1;
     frame.timing.cpu_ms = 2;
     frame.is_keyframe = i == 1;
+    if (i >= 2) {
+      frame.confidence = i == 3 ? 0.4 : 0.9;
+    }
     if (i >= 4) {
       frame.semantic_delay_frames = static_cast<int>(i);
     }
@@ -104,6 +107,8 @@ TEST(RunReport, LostForGoodIsWhereTheLastRunOfLostFramesBegins) {
 
 TEST(RunReport, WhatWasNotMeasuredIsNull) {
   const nlohmann::ordered_json report = RunReport({}, {});
+  EXPECT_TRUE(report["confidence"].is_null());
+  EXPECT_EQ(report["unexplained_frames"], 0);
   EXPECT_EQ(report["frames"], 0);
   EXPECT_TRUE(report["start_up_s"].is_null());
   EXPECT_TRUE(report["tracking_ms"].is_null());
@@ -111,12 +116,18 @@ TEST(RunReport, WhatWasNotMeasuredIsNull) {
   EXPECT_TRUE(report["semantics"]["delay_frames"].is_null());
 }
 
+TEST(RunReport, FramesWhosePoseExplainsLittleAreCounted) {
+  const nlohmann::ordered_json report = RunReport({}, TenFrames());
+  EXPECT_EQ(report["confidence"]["median"], 0.9);
+  EXPECT_EQ(report["unexplained_frames"], 1);
+}
+
 TEST(RunReport, FramesCsvHasALineAFrame) {
   const std::string csv = FramesCsv(TenFrames(), "1f");
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 11);
-  EXPECT_THAT(csv, HasSubstr("\n1,1000.100000,tracked,2.000,0.000,0.000,0.000,0.000,2.000,0,0,0,1,,0.000,1f\n"));
+  EXPECT_THAT(csv, HasSubstr("\n1,1000.100000,tracked,2.000,0.000,0.000,0.000,0.000,2.000,0,0,0,1,,,0.000,1f\n"));
   EXPECT_THAT(csv, HasSubstr("\n9,1000.900000,lost,10.000,"));
-  EXPECT_THAT(csv, HasSubstr(",0,5,12.000,1f\n"));
+  EXPECT_THAT(csv, HasSubstr(",0,0.900,5,12.000,1f\n"));
 }
 
 TEST(RunReport, SemanticsCsvHasALineALabel) {

@@ -141,7 +141,8 @@ TEST(BundleEquations, RobustStepReweightsLargeResiduals) {
   for (std::size_t i = 0; i < problem.observations.size(); ++i) {
     const auto at = 3 * static_cast<Eigen::Index>(i);
     const double norm = residuals.segment<3>(at).norm();
-    const double huber = problem.observations[i].keypoint.HasDepth() ? BundleOptions().huber_depth : BundleOptions().huber_mono;
+    const double huber =
+        problem.observations[i].keypoint.HasDepth() ? BundleOptions().huber_depth : BundleOptions().huber_mono;
     if (norm > huber) {
       weight.segment<3>(at).setConstant(huber / norm);
       ++reweighted;

@@ -57,9 +57,13 @@ struct FrameResult {
   TrackingState state = TrackingState::kNotInitialized;
   std::optional<Rigid3> world_from_camera;  // present if and only if tracked
   bool is_keyframe = false;
-  int static_matches = 0;                    // used for the pose
-  int unknown_matches = 0;                   // used for the pose
-  int rejected_matches = 0;                  // dynamic, or outliers of the pose optimization
+  int static_matches = 0;    // used for the pose
+  int unknown_matches = 0;   // used for the pose
+  int rejected_matches = 0;  // dynamic, or outliers of the pose optimization
+  // Share of the depth image (with labels: of what they call static) that the pose explains, 0 to 1, by the view of the
+  // oldest keyframe around that looks the same way: near 1 where all that is asked is static and the pose right; low
+  // where much has moved, or where the pose follows what moves. Absent where too little can be told.
+  std::optional<double> confidence;
   std::optional<int> semantic_delay_frames;  // d of the paper's equation 1; absent before the first label
   int keyframes_in_map = 0;
   int points_in_map = 0;

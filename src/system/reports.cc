@@ -66,6 +66,7 @@ void FillFrameResult(const TrackOutcome& outcome, const FrameData& data, const L
                      FrameResult* result) {
   if (outcome.tracked) {
     result->world_from_camera = outcome.camera_from_world.Inverse();
+    result->confidence = outcome.confidence;
   }
   for (const PointMatch& match : outcome.used) {
     ++(match.state == PointState::kStatic ? result->static_matches : result->unknown_matches);

@@ -14,6 +14,7 @@ constexpr int kWeakMatches = 30;                      // with fewer the first ke
 constexpr int kMostVoid = 90;                         // frames more to wait where labels leave less
 constexpr int kYoung = 100;                           // frames tracked: what is older is not begun anew
 constexpr int kLeastLost = 5;
+constexpr double kLeastLeft = 0.4;  // of what the map began with: with less that was something before the lens
 
 }  // namespace
 
@@ -73,7 +74,9 @@ bool Startup::BeginAnewIfLost(const IncomingFrame& frame, FrontEnd& front_end, T
   }
   tracked_ += outcome.tracked ? 1 : 0;
   lost_ = outcome.tracked ? 0 : lost_ + (front_end.CanBeginWith(frame) ? 1 : 0);
-  if (lost_ < std::max(kLeastLost, tracked_ / 2) || !front_end.CanBeginWith(frame)) {
+  const bool is_lost = lost_ >= std::max(kLeastLost, tracked_ / 2);
+  const bool is_elsewhere = outcome.left_of_reference.value_or(1) < kLeastLeft;
+  if ((!is_lost && !is_elsewhere) || !front_end.CanBeginWith(frame)) {
     return false;
   }
   auto begun = front_end.BeginAnew(frame);

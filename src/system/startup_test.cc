@@ -28,8 +28,8 @@ std::vector<SyntheticFrame> CoveredAtFirst(int covered) {
     }
     SyntheticFrame& frame = frames[static_cast<std::size_t>(i)];
     frame.rgbd.image = std::move(image);
-    frame.rgbd.depth = std::make_shared<Image16>(camera.width, camera.height, 1,
-                                                 static_cast<std::uint16_t>(0.4 * camera.depth_scale));
+    frame.rgbd.depth =
+        std::make_shared<Image16>(camera.width, camera.height, 1, static_cast<std::uint16_t>(0.4 * camera.depth_scale));
     frame.mask = std::make_shared<Image8>(camera.width, camera.height, 1, 255);
   }
   return frames;

@@ -9,9 +9,12 @@
 #include "base/error.h"
 #include "base/time.h"
 #include "tracking/depth_registration.h"
+#include "tracking/explained_share.h"
 
 namespace rds {
 namespace {
+
+constexpr double kSameView_rad = 0.6;  // to an older keyframe: most of the image is in both views
 
 // With a pose that is wrong, wide windows find many matches, of which some agree by chance.
 bool IsOutlierDominated(const PoseEstimate& estimate) {
@@ -220,12 +223,28 @@ TrackOutcome Tracker::Tracked(PoseEstimate estimate, const WorkerStatus& status,
   outcome.camera_from_world = current_.camera_from_world;
   outcome.reference = current_.reference;
   outcome.camera_from_reference = current_.camera_from_reference;
+  outcome.left_of_reference = ExplainedShare(*reference.data, {}, *current_.data, current_.camera_from_reference);
+  const LocalKeyframe* const oldest = OldestOfThisView();
+  outcome.confidence = oldest != nullptr ? ExplainedBy(*oldest) : std::nullopt;
   outcome.wants_keyframe = WantsKeyframe(Situation(status), options_.policy);
   outcome.used = association.used;
   outcome.rejected = association.dynamic;
   outcome.rejected.insert(outcome.rejected.end(), estimate.outliers.begin(), estimate.outliers.end());
   outcome.times = times;
   return outcome;
+}
+
+std::optional<double> Tracker::ExplainedBy(const LocalKeyframe& keyframe) const {
+  return ExplainedShare(*current_.data, labels_.static_samples, *keyframe.data,
+                        keyframe.camera_from_world * current_.camera_from_world.Inverse());
+}
+
+// The views of the last keyframes follow the pose wherever it goes; the oldest one of the same view does not.
+const LocalKeyframe* Tracker::OldestOfThisView() const {
+  const auto found = std::ranges::find_if(map_->keyframes, [&](const LocalKeyframe& keyframe) {
+    return AngleOf((keyframe.camera_from_world * current_.camera_from_world.Inverse()).rotation) < kSameView_rad;
+  });
+  return found == map_->keyframes.end() ? nullptr : &*found;
 }
 
 KeyframeSituation Tracker::Situation(const WorkerStatus& status) const {

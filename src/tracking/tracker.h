@@ -31,6 +31,11 @@ struct TrackOutcome {
   Rigid3 camera_from_world;  // valid if tracked
   KeyframeId reference;      // the pose hangs on this keyframe; invalid for a frame that starts a world
   Rigid3 camera_from_reference;
+  // Share of the depth image that the pose explains (ExplainedShare) by the view of the oldest keyframe that looks the
+  // same way; with semantics of what is known as static.
+  std::optional<double> confidence;
+  // Share of what the reference saw that is still there.
+  std::optional<double> left_of_reference;
   bool wants_keyframe = false;       // MakeCandidate gives it
   std::vector<PointMatch> used;      // the pose stands on these
   std::vector<PointMatch> rejected;  // dynamic points and outliers
@@ -89,6 +94,8 @@ class Tracker {
   [[nodiscard]] bool HasEnoughInliers(const Association& association) const;
   [[nodiscard]] TrackOutcome Lost(const StageTimes& times);
   [[nodiscard]] TrackOutcome Tracked(PoseEstimate estimate, const WorkerStatus& status, const StageTimes& times);
+  [[nodiscard]] std::optional<double> ExplainedBy(const LocalKeyframe& keyframe) const;
+  [[nodiscard]] const LocalKeyframe* OldestOfThisView() const;
   [[nodiscard]] KeyframeSituation Situation(const WorkerStatus& status) const;
 
   TrackerOptions options_;

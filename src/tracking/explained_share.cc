@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tracking/explained_share.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rds {
+namespace {
+
+constexpr int kLeastJudged = 50;  // samples
+constexpr double kSigmas = 3;
+
+}  // namespace
+
+std::optional<double> ExplainedShare(const FrameData& frame, std::span<const std::uint8_t> usable,
+                                     const FrameData& view, const Rigid3& view_from_frame) {
+  const DepthGrid& grid = frame.depth_grid();
+  const DepthGrid& seen = view.depth_grid();
+  const GridWarp warp(frame.camera(), view_from_frame);
+  int confirmed = 0;
+  int contradicted = 0;
+  const auto judge = [&](int column, int row) {
+    if (!usable.empty() && usable[grid.Index(column, row)] == 0) {
+      return;
+    }
+    const GridPlace from = grid.Place(column, row);
+    const GridPlace place = from.depth_m > 0 ? warp(from) : GridPlace{};
+    if (!seen.IndexWithin(place)) {
+      return;
+    }
+    const float tolerance_m =
+        std::max(depth_ratio::kSamePlace * place.depth_m,
+                 static_cast<float>(kSigmas * view.camera().depth_noise.Sigma_m(static_cast<double>(place.depth_m))));
+    bool at_place = false;  // at an edge either surface will do
+    bool beyond = true;
+    seen.ForEachAround(static_cast<int>(place.column), static_cast<int>(place.row), [&](int x, int y) {
+      const float depth_m = seen[seen.Index(x, y)];
+      at_place = at_place || (depth_m > 0 && std::abs(depth_m - place.depth_m) <= tolerance_m);
+      beyond = beyond && depth_m > place.depth_m + tolerance_m;
+    });
+    confirmed += at_place ? 1 : 0;
+    contradicted += beyond ? 1 : 0;
+  };
+  grid.ForEach(judge, kRegistrationStep);
+  const int judged = confirmed + contradicted;
+  return judged >= kLeastJudged ? std::optional(static_cast<double>(confirmed) / judged) : std::nullopt;
+}
+
+}  // namespace rds
