@@ -72,7 +72,7 @@ std::optional<TrackOutcome> FrontEnd::BeginAnew(const IncomingFrame& frame) {
   if (!executor_.Status().mapping_idle) {
     return std::nullopt;
   }
-  StartAgain();
+  StartAgain(1);
   TrackOutcome outcome = Track(frame, nullptr, nullptr);
   MapKeyframeNow(frame);
   outcome.wants_keyframe = false;  // it is one
@@ -89,9 +89,9 @@ void FrontEnd::Propagate(const IncomingFrame& frame, const TrackOutcome& outcome
   }
 }
 
-void FrontEnd::StartAgain() {
+void FrontEnd::StartAgain(std::size_t frames) {
   tracker_ = MakeTracker();
-  trajectory_.Clear();
+  trajectory_.GiveUp(frames);
   executor_.RestartPropagation();
 }
 

@@ -44,8 +44,8 @@ class FrontEnd {
   void AskForLabel(const IncomingFrame& frame);
   // Hands a tracked frame to the propagation of labels.
   void Propagate(const IncomingFrame& frame, const TrackOutcome& outcome);
-  // Forgets all poses and propagated labels: the first frame is to come again. The map stays.
-  void StartAgain();
+  // Forgets all poses and propagated labels: so many frames are to come again. The map stays.
+  void StartAgain(std::size_t frames);
   // The pose of the last frame is that of a keyframe.
   void HangLastOn(KeyframeId keyframe) { trajectory_.HangLastOn(keyframe); }
 

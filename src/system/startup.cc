@@ -38,7 +38,7 @@ void Startup::TrackAgainIfLabeled(FrontEnd& front_end) {
 void Startup::TrackAgain(FrontEnd& front_end) {
   const std::vector<IncomingFrame> frames = std::move(frames_);
   frames_.clear();
-  front_end.StartAgain();
+  front_end.StartAgain(frames.size());
   std::shared_ptr<const LocalMap> map;  // none for the first frame: it is the first keyframe
   FrameId keyframe;
   for (const IncomingFrame& frame : frames) {
@@ -74,7 +74,7 @@ bool Startup::BeginAnewIfLost(const IncomingFrame& frame, FrontEnd& front_end, T
   }
   tracked_ += outcome.tracked ? 1 : 0;
   lost_ = outcome.tracked ? 0 : lost_ + (front_end.CanBeginWith(frame) ? 1 : 0);
-  const bool is_lost = lost_ >= std::max(kLeastLost, tracked_ / 2);
+  const bool is_lost = lost_ >= std::max(kLeastLost, tracked_);
   const bool is_elsewhere = outcome.left_of_reference.value_or(1) < kLeastLeft;
   if ((!is_lost && !is_elsewhere) || !front_end.CanBeginWith(frame)) {
     return false;
@@ -108,10 +108,9 @@ void Startup::Keep(const IncomingFrame& frame, const TrackOutcome& outcome, Fron
   ++waited_;
   // A lost frame is not weak: the map cannot grow by it, and it may be the label that took its points away.
   const bool weak = frames_.size() > 1 && outcome.tracked && std::ssize(outcome.used) < kWeakMatches;
-  const bool awaits_better = ask_ || !mapped_;
-  const int most = awaits_better ? most_frames_ + kMostVoid : most_frames_;
+  const int most = ask_ || !mapped_ ? most_frames_ + kMostVoid : most_frames_;
   // If a label came while this frame was tracked, all are tracked again before the next one.
-  waiting_ = HasUsableLabel(front_end) || ((awaits_better || !weak) && waited_ < most);
+  waiting_ = HasUsableLabel(front_end) || (!weak && waited_ < most);
   if (!waiting_) {  // the map must grow, labeled or not
     frames_.clear();
   }

@@ -16,7 +16,7 @@ namespace rds {
 // wants them: of the first one's static points few may be left by then. Where the label leaves next to nothing static,
 // the map begins with a later frame, the first whose label does; the frames before it have no pose.
 //
-// A young map begins anew with what is in view once it has been lost for half as long as it was tracked, or when most
+// A young map begins anew with what is in view once it has been lost for as long as it was tracked, or when most
 // of what it began with is gone: something was before the lens.
 class Startup {
  public:

@@ -11,6 +11,11 @@ void TrajectoryRecorder::Add(double timestamp_s, const TrackOutcome& outcome) {
   }
 }
 
+void TrajectoryRecorder::GiveUp(std::size_t last_frames) {
+  lost_ += static_cast<int>(entries_.size()) - static_cast<int>(last_frames);
+  entries_.clear();
+}
+
 Trajectory TrajectoryRecorder::Resolve(const Map& map) const {
   Trajectory trajectory;
   for (const Entry& entry : entries_) {

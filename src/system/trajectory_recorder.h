@@ -18,7 +18,8 @@ class TrajectoryRecorder {
   void Add(double timestamp_s, const TrackOutcome& outcome);
   // The keyframe that the frame just added became, of a frame that started a world: its pose hangs on itself.
   void HangLastOn(KeyframeId keyframe) { entries_.back().reference = keyframe; }
-  void Clear() { *this = {}; }
+  // Forgets all poses. So many of the last frames are to come again, the others count as lost.
+  void GiveUp(std::size_t last_frames);
 
   [[nodiscard]] bool empty() const { return entries_.empty(); }
   // Frames since the first tracked one that have no pose.
