@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::uint32_t kFramesBetweenKeyframes = 4;  // at least, among those tracked again
 constexpr int kWeakMatches = 30;                      // with fewer the first keyframe does not do any more
-constexpr int kMostVoid = 90;                         // frames more to wait where labels leave less
+constexpr int kMostVoid = 10;                         // frames more to wait where labels leave less
 constexpr int kYoung = 100;                           // frames tracked: what is older is not begun anew
 constexpr int kLeastLost = 5;
 constexpr double kLeastLeft = 0.4;  // of what the map began with: with less that was something before the lens

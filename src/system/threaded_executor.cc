@@ -21,7 +21,7 @@ struct ThreadedExecutor::Shared {
 
   std::shared_ptr<Lanes> lanes;
   BoundedQueue<KeyframeCandidate> keyframes;
-  std::atomic<bool> mapping = false;
+  std::atomic<int> to_map = 0;  // keyframes that wait for mapping or are being mapped
 
   // Ends the run: nobody waits for anything any more.
   void Fail(std::exception_ptr error) {
@@ -82,9 +82,8 @@ ThreadedExecutor::~ThreadedExecutor() {
 void ThreadedExecutor::RunMapping(Shared& shared) {
   while (auto candidate = shared.keyframes.Pop()) {
     Worker::UseAllCores();
-    shared.mapping = true;
     shared.lanes->mapping.Map(*candidate, [&] { return shared.keyframes.Size() > 0; });
-    shared.mapping = false;
+    --shared.to_map;
   }
 }
 
@@ -126,7 +125,7 @@ void ThreadedExecutor::RunSemantics(Shared& shared, const SemanticOptions& optio
 
 WorkerStatus ThreadedExecutor::Status() const {
   WorkerStatus status;
-  status.mapping_idle = !shared_->mapping && shared_->keyframes.Size() == 0;
+  status.mapping_idle = shared_->to_map == 0;
   status.segmenter_idle = semantics_ && shared_->lanes->waiting.Read([](const Waiting& waiting) {
     return waiting.backlog.empty() && !waiting.in_flight;
   });
@@ -135,8 +134,11 @@ WorkerStatus ThreadedExecutor::Status() const {
 
 bool ThreadedExecutor::Map(KeyframeCandidate& candidate) {
   mapping_->LeaveCallersCore();
-  return options_.system.wait_for_mapping ? shared_->keyframes.Push(std::move(candidate))
-                                          : shared_->keyframes.TryPush(std::move(candidate));
+  ++shared_->to_map;  // before mapping can be done with it
+  const bool taken = options_.system.wait_for_mapping ? shared_->keyframes.Push(std::move(candidate))
+                                                      : shared_->keyframes.TryPush(std::move(candidate));
+  shared_->to_map -= taken ? 0 : 1;
+  return taken;
 }
 
 void ThreadedExecutor::Label(BacklogItem item) {
