@@ -36,7 +36,7 @@ void FrontEnd::Map(KeyframeCandidate& candidate) {
 
 void FrontEnd::Label(const IncomingFrame& frame) {
   tracker_->KeyframeTaken();
-  if (lanes_.semantics.HasSegmenter()) {
+  if (lanes_.semantics.HasSegmenter() && frame.image != nullptr) {
     executor_.Label({frame.id, frame.timestamp_s, frame.image, frame.data, false});
   }
 }
@@ -56,12 +56,6 @@ void FrontEnd::MapKeyframeNow(const IncomingFrame& frame) {
   KeyframeCandidate candidate = tracker_->MakeCandidate();
   Map(candidate);
   Label(frame);
-}
-
-void FrontEnd::MapLabeledKeyframeNow() {
-  KeyframeCandidate candidate = tracker_->MakeCandidate();
-  Map(candidate);
-  tracker_->KeyframeTaken();
 }
 
 bool FrontEnd::CanBeginWith(const IncomingFrame& frame) const {

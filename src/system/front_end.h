@@ -29,12 +29,11 @@ class FrontEnd {
                      std::shared_ptr<const PropagatedLabels> labels);
   // Offers the frame just tracked as a keyframe. False: there is no capacity for it now.
   bool OfferKeyframe(const IncomingFrame& frame);
-  // Maps the frame just tracked before it returns: on this thread, which is safe only while no keyframe waits for
-  // mapping or is being mapped, so that the mapping lane has one caller at a time. Such is the start: keyframes are not
-  // offered until the first one is mapped, nor while the first frames wait for a label.
+  // Maps the frame just tracked before it returns, and has it labeled if it still has its image: on this thread, which
+  // is safe only while no keyframe waits for mapping or is being mapped, so that the mapping lane has one caller at a
+  // time. Such is the start: keyframes are not offered until the first one is mapped, nor while the first frames wait
+  // for a label.
   void MapKeyframeNow(const IncomingFrame& frame);
-  // The same of a frame whose label has been asked for: it is not asked for again.
-  void MapLabeledKeyframeNow();
   // Keypoints with depth, static if that is known, that a map needs to begin with.
   [[nodiscard]] int LeastToBegin() const { return options_.tracking.min_start_points; }
   [[nodiscard]] bool CanBeginWith(const IncomingFrame& frame) const;

@@ -119,6 +119,9 @@ FrameResult Slam::Impl::TrackFrame(const RgbdFrame& frame) {
 SlamResult Slam::Impl::Finish() {
   Check(!finished_, "Finish is called once");
   finished_ = true;
+  if (!lanes_->failure.Get()) {
+    startup_.End(front_end_);
+  }
   executor_->Finish();
   SlamResult result;
   result.error = lanes_->failure.Get();

@@ -11,7 +11,8 @@ namespace {
 
 constexpr std::uint32_t kFramesBetweenKeyframes = 4;  // at least, among those tracked again
 constexpr int kWeakMatches = 30;                      // with fewer the first keyframe does not do any more
-constexpr int kMostVoid = 10;                         // frames more to wait where labels leave less
+constexpr int kMostVoid = 90;                         // frames more to wait where labels leave less
+constexpr int kPatience = 15;                         // frames lost on end while a better label is awaited
 constexpr int kYoung = 100;                           // frames tracked: what is older is not begun anew
 constexpr int kLeastLost = 5;
 constexpr double kLeastLeft = 0.4;  // of what the map began with: with less that was something before the lens
@@ -29,14 +30,15 @@ void Startup::TrackAgainIfLabeled(FrontEnd& front_end) {
   }
   if (HasUsableLabel(front_end)) {
     waiting_ = false;
-    TrackAgain(front_end);
+    TrackAgain(begin_, front_end);
   } else if (const auto answer = front_end.NewestAnswer(); answer && answer->frame == asked_) {
     ask_ = true;
   }
 }
 
-void Startup::TrackAgain(FrontEnd& front_end) {
-  const std::vector<IncomingFrame> frames = std::move(frames_);
+void Startup::TrackAgain(std::size_t first, FrontEnd& front_end) {
+  const bool first_is_mapped = first == 0;
+  const std::vector<IncomingFrame> frames(frames_.begin() + static_cast<std::ptrdiff_t>(first), frames_.end());
   frames_.clear();
   front_end.StartAgain(frames.size());
   std::shared_ptr<const LocalMap> map;  // none for the first frame: it is the first keyframe
@@ -46,11 +48,10 @@ void Startup::TrackAgain(FrontEnd& front_end) {
     if (!keyframe.valid() && !outcome.tracked) {
       continue;  // too little to begin with
     }
-    if (!keyframe.valid() && !mapped_) {
-      front_end.MapLabeledKeyframeNow();
-    } else if (!keyframe.valid()) {
+    if (!keyframe.valid() && first_is_mapped) {
       front_end.HangLastOn(front_end.CurrentLocalMap()->FindByFrame(frame.id)->id);
-    } else if (outcome.wants_keyframe && frame.id.value - keyframe.value >= kFramesBetweenKeyframes) {
+    } else if (!keyframe.valid() ||
+               (outcome.wants_keyframe && frame.id.value - keyframe.value >= kFramesBetweenKeyframes)) {
       front_end.MapKeyframeNow(frame);
     } else {
       front_end.Propagate(frame, outcome);
@@ -62,10 +63,16 @@ void Startup::TrackAgain(FrontEnd& front_end) {
   }
 }
 
-void Startup::Begin(FrameId frame) {
-  frames_.clear();
-  asked_ = frame;
+void Startup::Ask(const IncomingFrame& frame, FrontEnd& front_end) {
+  begin_ = frames_.size();
+  for (IncomingFrame& earlier : frames_) {
+    earlier.image.reset();
+  }
+  asked_ = frame.id;
   ask_ = false;
+  front_end.AskForLabel(frame);
+  frames_.push_back(frame);
+  frames_.back().image.reset();  // its label is asked for only once
 }
 
 bool Startup::BeginAnewIfLost(const IncomingFrame& frame, FrontEnd& front_end, TrackOutcome& outcome) {
@@ -85,8 +92,10 @@ bool Startup::BeginAnewIfLost(const IncomingFrame& frame, FrontEnd& front_end, T
   }
   log::info("the map of {} frames is lost and begins anew with frame {}", tracked_, frame.id.value);
   outcome = std::move(*begun);
-  Begin(frame.id);
-  mapped_ = true;
+  frames_.clear();
+  begin_ = 0;
+  asked_ = frame.id;
+  ask_ = false;
   tracked_ = 1;
   lost_ = 0;
   return true;
@@ -100,19 +109,30 @@ void Startup::Keep(const IncomingFrame& frame, const TrackOutcome& outcome, Fron
     asked_ = frame.id;
   }
   if (ask_ && front_end.CanBeginWith(frame)) {
-    Begin(frame.id);
-    mapped_ = false;
-    front_end.AskForLabel(frame);
+    Ask(frame, front_end);
+  } else {
+    frames_.push_back(frame);
   }
-  frames_.push_back(frame);
   ++waited_;
   // A lost frame is not weak: the map cannot grow by it, and it may be the label that took its points away.
+  const bool leaves_nothing = ask_ || begin_ > 0;
   const bool weak = frames_.size() > 1 && outcome.tracked && std::ssize(outcome.used) < kWeakMatches;
-  const int most = ask_ || !mapped_ ? most_frames_ + kMostVoid : most_frames_;
+  const int most = leaves_nothing ? most_frames_ + kMostVoid : most_frames_;
   // If a label came while this frame was tracked, all are tracked again before the next one.
   waiting_ = HasUsableLabel(front_end) || (!weak && waited_ < most);
-  if (!waiting_) {  // the map must grow, labeled or not
+  lost_waiting_ = outcome.tracked ? 0 : lost_waiting_ + 1;
+  if (waiting_ && leaves_nothing && lost_waiting_ >= kPatience && !HasUsableLabel(front_end)) {
+    waiting_ = false;
+    TrackAgain(0, front_end);
+  } else if (!waiting_) {  // the map must grow, labeled or not
     frames_.clear();
+  }
+}
+
+void Startup::End(FrontEnd& front_end) {
+  if (waiting_ && lost_waiting_ > 0 && (ask_ || begin_ > 0)) {
+    waiting_ = false;
+    TrackAgain(0, front_end);
   }
 }
 

@@ -14,7 +14,8 @@ namespace rds {
 // Until the first label the first keyframe stays the only one, for a limited number of frames, as poses may follow
 // people who fill the picture. Once it is labeled, a new tracker goes through all frames since, with keyframes where it
 // wants them: of the first one's static points few may be left by then. Where the label leaves next to nothing static,
-// the map begins with a later frame, the first whose label does; the frames before it have no pose.
+// the map begins with a later frame, the first whose label does; the frames before it have no pose. If tracking stays
+// lost first, all of them are tracked again with keyframes: whatever the labels say, it is all there is.
 //
 // A young map begins anew with what is in view once it has been lost for as long as it was tracked, or when most
 // of what it began with is gone: something was before the lens.
@@ -32,19 +33,23 @@ class Startup {
   [[nodiscard]] bool BeginAnewIfLost(const IncomingFrame& frame, FrontEnd& front_end, TrackOutcome& outcome);
   // After that.
   void Keep(const IncomingFrame& frame, const TrackOutcome& outcome, FrontEnd& front_end);
+  // After the last frame: what still waits for a better label is tracked with what there is.
+  void End(FrontEnd& front_end);
 
  private:
   [[nodiscard]] bool HasUsableLabel(const FrontEnd& front_end) const;
-  void TrackAgain(FrontEnd& front_end);
-  void Begin(FrameId frame);
+  // The frames from `first` on.
+  void TrackAgain(std::size_t first, FrontEnd& front_end);
+  void Ask(const IncomingFrame& frame, FrontEnd& front_end);
 
   int most_frames_;
   bool waiting_;
-  std::vector<IncomingFrame> frames_;  // since the one that the map is to begin with
+  std::vector<IncomingFrame> frames_;  // since the first one that was tracked
+  std::size_t begin_ = 0;              // of those: the one that the map is to begin with. The ones before have no image
   FrameId asked_;                      // that one: its label is awaited
-  bool mapped_ = true;                 // it is a keyframe already
   bool ask_ = false;                   // its label leaves nothing: the next frame's is wanted
   int waited_ = 0;                     // frames
+  int lost_waiting_ = 0;               // frames on end
   int tracked_ = 0;                    // frames of this map
   int lost_ = 0;                       // frames on end that had what a map can begin with
 };

@@ -189,6 +189,9 @@ TrackOutcome Tracker::Lost(const StageTimes& times) {
   current_.camera_from_reference = last_.camera_from_reference;
   motion_.Forget();
   TrackOutcome outcome;
+  if (const LocalKeyframe* const reference = map_->Find(current_.reference)) {
+    outcome.left_of_reference = ExplainedShare(*reference->data, {}, *current_.data, current_.camera_from_reference);
+  }
   outcome.times = times;
   return outcome;
 }
