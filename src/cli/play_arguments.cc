@@ -7,6 +7,7 @@
 #include "cli/process_info.h"
 #include "io/camera_config.h"
 #include "io/depth_check.h"
+#include "io/ignored_pixels.h"
 #include "io/options_yaml.h"
 #include "segmentation/segmenter_factory.h"
 
@@ -78,6 +79,9 @@ PlaySetup PreparePlay(const PlayArguments& arguments, bool lockstep) {
   Dataset dataset = Dataset::Open(arguments.sequence, dataset_options);
   FoundCamera found = CameraOfSequence(dataset.folder(), arguments.camera);
   CheckDepthScale(dataset, found.camera);
+  if (!options.semantic.ignore.empty()) {
+    dataset.Ignore(LoadIgnoredPixels(options.semantic.ignore, found.camera));
+  }
   return {std::move(dataset),      found.camera, std::move(found.name),
           std::move(found.reason), options,      {.rate = rate, .strict = arguments.strict}};
 }

@@ -251,8 +251,12 @@ RgbdFrame Dataset::Load(std::size_t index, const PinholeCamera& camera) const {
                     color.height()));
   }
   CheckSize(color, camera);
-  return {frame.timestamp_s, std::make_shared<const Image8>(color.DecodeColor()),
-          std::make_shared<const Image16>(depth.DecodeDepth(camera.depth_scale))};
+  auto image = std::make_shared<Image8>(color.DecodeColor());
+  auto depth_image = std::make_shared<Image16>(depth.DecodeDepth(camera.depth_scale));
+  if (!ignored_.empty()) {
+    ignored_.Apply(*image, *depth_image);
+  }
+  return {frame.timestamp_s, std::move(image), std::move(depth_image)};
 }
 
 Image8 LoadMask(const fs::path& path, const PinholeCamera& camera) {

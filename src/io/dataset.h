@@ -6,11 +6,13 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/image.h"
 #include "geometry/camera.h"
 #include "geometry/trajectory.h"
+#include "io/ignored_pixels.h"
 #include "system/frame.h"
 
 namespace rds {
@@ -45,7 +47,7 @@ struct DatasetFrame {
 // Without an association file every color image gets the depth image that is nearest in time: pairs are taken in order
 // of their difference, up to the limit, each image at most once. Color images without a partner are left out and
 // counted. The index is read and checked when opened (each listed image must be there); images are read on demand.
-// Immutable once opened: any number of threads may load frames at once.
+// But for Ignore immutable once opened: any number of threads may load frames at once.
 class Dataset {
  public:
   // InputError, naming file and line, for a missing folder or list, an empty list, a malformed row, timestamps that do
@@ -70,6 +72,9 @@ class Dataset {
   // One sentence for the user: how many frames, and how many were left out and why.
   [[nodiscard]] std::string Summary() const;
 
+  // Of every frame that is loaded from then on.
+  void Ignore(IgnoredPixels pixels) { ignored_ = std::move(pixels); }
+
   // Both images of a frame, checked against each other and the camera. InputError names the file and what to do.
   [[nodiscard]] RgbdFrame Load(std::size_t index, const PinholeCamera& camera) const;
 
@@ -79,6 +84,7 @@ class Dataset {
   std::vector<DatasetFrame> frames_;
   std::optional<Trajectory> ground_truth_;
   bool has_masks_ = false;
+  IgnoredPixels ignored_;
   std::size_t listed_color_images_ = 0;
   std::size_t color_images_without_depth_ = 0;
   std::size_t first_frame_ = 0;

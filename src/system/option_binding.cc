@@ -142,6 +142,9 @@ void BindSemantic(SemanticOptions& options, OptionTable& table) {
                "order in which keyframes are labeled");
   table.Int("semantic.per_round", options.per_round, 1, 16, "keyframes that are selected at a time");
   table.Flag("semantic.batch", options.batch, "segment them in one request instead of one by one");
+  table.Text("semantic.ignore", options.ignore,
+             "image of the camera's size whose pixels that are not black are ignored in every frame: a robot's body, "
+             "text burnt into the picture");
   table.Int("semantic.backlog", options.backlog, 2, 10000, "images of unlabeled keyframes that are kept at most");
   table.Int("semantic.start_frames", options.start_frames, 0, 1000,
             "frames for which the map waits for the first label before it grows, at most; they are then tracked again");

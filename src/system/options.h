@@ -29,6 +29,7 @@ struct SemanticOptions {
   SelectionMode selection = SelectionMode::kBidirectional;
   int per_round = 2;      // keyframes selected in a round
   bool batch = true;      // in one request, or one by one
+  std::string ignore;     // file of a mask of what is fixed to the camera; applied by who reads the images
   int backlog = 60;       // images of unlabeled keyframes kept at most
   int start_frames = 30;  // for which the map waits for the first label before it grows, at most
   int dilation_px = 15;   // radius at an image width of 640
