@@ -31,7 +31,7 @@ struct SemanticOptions {
   bool batch = true;      // in one request, or one by one
   std::string ignore;     // file of a mask of what is fixed to the camera; applied by who reads the images
   int backlog = 60;       // images of unlabeled keyframes kept at most
-  int start_frames = 30;  // for which the map waits for the first label before it grows, at most
+  int start_frames = 36;  // for which the map waits for the first label before it grows, at most
   int dilation_px = 15;   // radius at an image width of 640
   double completion_step_ratio =
       depth_ratio::kNextUnsure;  // unsure pixels join dynamic ones across smaller steps in depth

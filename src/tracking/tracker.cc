@@ -189,7 +189,7 @@ TrackOutcome Tracker::Lost(const StageTimes& times) {
   current_.camera_from_reference = last_.camera_from_reference;
   motion_.Forget();
   TrackOutcome outcome;
-  if (const LocalKeyframe* const reference = map_->Find(current_.reference)) {
+  if (const LocalKeyframe* const reference = map_->Find(current_.reference); reference != nullptr && last_.tracked) {
     outcome.left_of_reference = ExplainedShare(*reference->data, {}, *current_.data, current_.camera_from_reference);
   }
   outcome.times = times;

@@ -34,7 +34,7 @@ struct TrackOutcome {
   // Share of the depth image that the pose explains (ExplainedShare) by the view of the oldest keyframe that looks the
   // same way; with semantics of what is known as static.
   std::optional<double> confidence;
-  // Share of what the reference saw that is still there; of a lost frame as seen from the last pose.
+  // Share of what the reference saw that is still there; of a frame just lost as seen from the pose before.
   std::optional<double> left_of_reference;
   bool wants_keyframe = false;       // MakeCandidate gives it
   std::vector<PointMatch> used;      // the pose stands on these
