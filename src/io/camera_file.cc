@@ -156,6 +156,13 @@ class CameraReader {
   const YAML::Node root_;
 };
 
+void TakeKnownSensor(PinholeCamera& camera) {
+  if (const NamedCamera* known = FindKnownCamera(camera)) {
+    camera.depth_noise = known->camera.depth_noise;
+    camera.rolling_shutter_s = known->camera.rolling_shutter_s;
+  }
+}
+
 PinholeCamera ReadOwn(const fs::path& path, const YAML::Node& root) {
   const CameraReader reader(path, root);
   reader.CheckKeys();
@@ -171,10 +178,7 @@ PinholeCamera ReadOwn(const fs::path& path, const YAML::Node& root) {
   if (reader.Has("baseline_m")) {
     camera.baseline_m = reader.Positive("baseline_m");
   }
-  if (const NamedCamera* known = FindKnownCamera(camera)) {
-    camera.depth_noise = known->camera.depth_noise;
-    camera.rolling_shutter_s = known->camera.rolling_shutter_s;
-  }
+  TakeKnownSensor(camera);
   reader.ReadDepthNoise(camera);
   if (reader.Has("rolling_shutter_s")) {
     camera.rolling_shutter_s = reader.Within("rolling_shutter_s", 0, kMostRollingShutter_s);
@@ -215,7 +219,10 @@ PinholeCamera ReadCamera(const fs::path& path) {
     throw InputError(path.string() +
                      ": not a camera file: rows of 'key: value' are wanted; see config/redkitchen.yaml");
   }
-  const std::optional<PinholeCamera> foreign = ReadForeignCamera(path, root);
+  std::optional<PinholeCamera> foreign = ReadForeignCamera(path, root);
+  if (foreign) {
+    TakeKnownSensor(*foreign);
+  }
   const PinholeCamera camera = foreign ? *foreign : ReadOwn(path, root);
   if (const auto problem = CameraProblem(camera); problem && !camera.unusual) {
     throw InputError(

@@ -154,6 +154,10 @@ TEST(CameraFile, ReadsTheRollingShutterAndKnowsThatOfKnownCameras) {
       "width: 640\nheight: 480\nfx: 517.3064\nfy: 516.4692\ncx: 318.643\ncy: 255.314\ndepth_scale: 5000\n";
   EXPECT_GT(Read(kinect).rolling_shutter_s, 0);
   EXPECT_EQ(Read(kinect + "rolling_shutter_s: 0\n").rolling_shutter_s, 0);
+  const std::string orb_slam =
+      "Camera.fx: 517.306408\nCamera.fy: 516.469215\nCamera.cx: 318.643040\nCamera.cy: 255.313989\n"
+      "Camera.width: 640\nCamera.height: 480\nCamera.bf: 40.0\nDepthMapFactor: 5000.0\n";
+  EXPECT_GT(Read(orb_slam).rolling_shutter_s, 0);
 }
 
 }  // namespace

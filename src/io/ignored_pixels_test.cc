@@ -3,19 +3,23 @@
 
 #include <gmock/gmock.h>
 
-#include "io/image_io.h"
+#include <opencv2/imgcodecs.hpp>
+
 #include "testing/temporary_folder.h"
+#include "testing/view.h"
 
 namespace rds {
 namespace {
 
 using ::testing::HasSubstr;
 
-PinholeCamera SmallCamera() {
-  PinholeCamera camera;
-  camera.width = 320;
-  camera.height = 240;
-  return camera;
+// A PNG, black but for this many rows from below.
+std::string Png(int width, int height, int rows) {
+  cv::Mat image(height, width, CV_8UC1, cv::Scalar::all(0));
+  image.rowRange(height - rows, height).setTo(255);
+  std::vector<unsigned char> bytes;
+  cv::imencode(".png", image, bytes);
+  return {bytes.begin(), bytes.end()};
 }
 
 TEST(IgnoredPixels, HaveNoCornersAndNoDepthThereAndAround) {
@@ -35,11 +39,23 @@ TEST(IgnoredPixels, HaveNoCornersAndNoDepthThereAndAround) {
   EXPECT_EQ(depth.At(160, 180), 1000);
 }
 
+TEST(IgnoredPixels, OfAFileAreWhatIsNotBlack) {
+  const TemporaryFolder folder;
+  const IgnoredPixels pixels = LoadIgnoredPixels(folder.Write("mask.png", Png(640, 480, 80)), TestCamera());
+  Image8 color(640, 480, 1, 7);
+  Image16 depth(640, 480, 1, 1000);
+  pixels.Apply(color, depth);
+  EXPECT_EQ(color.At(10, 400), 128);
+  EXPECT_EQ(color.At(10, 399), 7);
+}
+
 TEST(IgnoredPixels, FilesThatCannotBeUsedAreRefused) {
   const TemporaryFolder folder;
   const auto error = [&](const std::filesystem::path& path) {
-    return InputErrorOf([&] { (void)LoadIgnoredPixels(path, SmallCamera()); });
+    return InputErrorOf([&] { (void)LoadIgnoredPixels(path, TestCamera()); });
   };
+  EXPECT_THAT(error(folder.Write("small.png", Png(320, 240, 10))), HasSubstr("small.png"));
+  EXPECT_THAT(error(folder.Write("white.png", Png(640, 480, 450))), HasSubstr("94 % of the image would be ignored"));
   EXPECT_THAT(error(folder.path() / "none.png"), HasSubstr("none.png"));
   EXPECT_THAT(error(folder.Write("text.png", "text")), HasSubstr("text.png"));
 }

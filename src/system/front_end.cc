@@ -37,7 +37,7 @@ void FrontEnd::Map(KeyframeCandidate& candidate) {
 void FrontEnd::Label(const IncomingFrame& frame) {
   tracker_->KeyframeTaken();
   if (lanes_.semantics.HasSegmenter() && frame.image != nullptr) {
-    executor_.Label({frame.id, frame.timestamp_s, frame.image, frame.data, false});
+    AskForLabel(frame);
   }
 }
 

@@ -50,6 +50,7 @@ class FrontEnd {
 
   // As the tracker's.
   [[nodiscard]] Tangent6 Velocity() const { return tracker_->Velocity(); }
+  [[nodiscard]] std::optional<double> LeftOfReference() const { return tracker_->LeftOfReference(); }
   [[nodiscard]] std::optional<SemanticLane::Answer> NewestAnswer() const { return lanes_.semantics.NewestAnswer(); }
   [[nodiscard]] const TrajectoryRecorder& trajectory() const { return trajectory_; }
   [[nodiscard]] std::shared_ptr<const LocalMap> CurrentLocalMap() const { return lanes_.backend.CurrentLocalMap(); }

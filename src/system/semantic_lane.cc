@@ -128,9 +128,9 @@ void SemanticLane::PublishLabeledViews(const LabeledRound& round) {
 
 LabelEvent SemanticLane::ApplyMask(const BacklogItem& item, const Image8& mask) {
   const Stopwatch watch;
-  std::vector<KeypointLabel> labels = LabelKeypoints(*item.data, mask);
-  PublishAnswer(item, labels);
-  LabelKeyframe(backend_, item.frame, std::move(labels), options_.free_space);
+  const std::vector<KeypointLabel> labels = LabelKeypoints(*item.data, mask);
+  LabelKeyframe(backend_, item.frame, labels, options_.free_space);
+  PublishAnswer(item, labels);  // whoever sees it finds the labels in the map
   LabelEvent event;
   event.labeled_frame = item.frame;
   event.current_frame = FrameId{current_frame_.load(std::memory_order_relaxed)};

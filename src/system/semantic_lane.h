@@ -45,7 +45,7 @@ class SemanticLane {
   // The newest labeled keyframes with their poses, newest first; null before the first label.
   [[nodiscard]] std::shared_ptr<const std::vector<DepthView>> LabeledViews() const { return views_.Get(); }
   [[nodiscard]] MaskView NewestMask() const;
-  // What the newest mask leaves of its frame; nothing before the first.
+  // What the newest mask leaves of its frame; nothing before the first. Its labels are in the map.
   struct Answer {
     FrameId frame;
     int static_keypoints = 0;  // with depth

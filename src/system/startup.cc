@@ -45,19 +45,18 @@ void Startup::TrackAgain(std::size_t first, FrontEnd& front_end) {
   FrameId keyframe;
   for (const IncomingFrame& frame : frames) {
     const TrackOutcome outcome = front_end.Track(frame, map, nullptr);
-    if (!keyframe.valid() && !outcome.tracked) {
+    const bool begins = !keyframe.valid();
+    if (begins && !outcome.tracked) {
       continue;  // too little to begin with
     }
-    if (!keyframe.valid() && first_is_mapped) {
+    front_end.Propagate(frame, outcome);
+    if (begins && first_is_mapped) {
       front_end.HangLastOn(front_end.CurrentLocalMap()->FindByFrame(frame.id)->id);
-    } else if (!keyframe.valid() ||
-               (outcome.wants_keyframe && frame.id.value - keyframe.value >= kFramesBetweenKeyframes)) {
+    } else if (begins || (outcome.wants_keyframe && frame.id.value - keyframe.value >= kFramesBetweenKeyframes)) {
       front_end.MapKeyframeNow(frame);
     } else {
-      front_end.Propagate(frame, outcome);
       continue;
     }
-    front_end.Propagate(frame, outcome);
     map = front_end.CurrentLocalMap();
     keyframe = frame.id;
   }
@@ -82,7 +81,7 @@ bool Startup::BeginAnewIfLost(const IncomingFrame& frame, FrontEnd& front_end, T
   tracked_ += outcome.tracked ? 1 : 0;
   lost_ = outcome.tracked ? 0 : lost_ + (front_end.CanBeginWith(frame) ? 1 : 0);
   const bool is_lost = lost_ >= std::max(kLeastLost, tracked_);
-  const bool is_elsewhere = outcome.left_of_reference.value_or(1) < kLeastLeft;
+  const bool is_elsewhere = front_end.LeftOfReference().value_or(1) < kLeastLeft;
   if ((!is_lost && !is_elsewhere) || !front_end.CanBeginWith(frame)) {
     return false;
   }
@@ -115,13 +114,12 @@ void Startup::Keep(const IncomingFrame& frame, const TrackOutcome& outcome, Fron
   }
   ++waited_;
   // A lost frame is not weak: the map cannot grow by it, and it may be the label that took its points away.
-  const bool leaves_nothing = ask_ || begin_ > 0;
   const bool weak = frames_.size() > 1 && outcome.tracked && std::ssize(outcome.used) < kWeakMatches;
-  const int most = leaves_nothing ? most_frames_ + kMostVoid : most_frames_;
+  const int most = AwaitsBetter() ? most_frames_ + kMostVoid : most_frames_;
   // If a label came while this frame was tracked, all are tracked again before the next one.
   waiting_ = HasUsableLabel(front_end) || (!weak && waited_ < most);
   lost_waiting_ = outcome.tracked ? 0 : lost_waiting_ + 1;
-  if (waiting_ && leaves_nothing && lost_waiting_ >= kPatience && !HasUsableLabel(front_end)) {
+  if (waiting_ && AwaitsBetter() && lost_waiting_ >= kPatience && !HasUsableLabel(front_end)) {
     waiting_ = false;
     TrackAgain(0, front_end);
   } else if (!waiting_) {  // the map must grow, labeled or not
@@ -130,7 +128,7 @@ void Startup::Keep(const IncomingFrame& frame, const TrackOutcome& outcome, Fron
 }
 
 void Startup::End(FrontEnd& front_end) {
-  if (waiting_ && lost_waiting_ > 0 && (ask_ || begin_ > 0)) {
+  if (waiting_ && lost_waiting_ > 0 && AwaitsBetter()) {
     waiting_ = false;
     TrackAgain(0, front_end);
   }

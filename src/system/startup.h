@@ -2,7 +2,6 @@
 // The first frames: which of them the map begins with, and that they are tracked again once a label tells what moves.
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include "system/front_end.h"
@@ -17,8 +16,8 @@ namespace rds {
 // the map begins with a later frame, the first whose label does; the frames before it have no pose. If tracking stays
 // lost first, all of them are tracked again with keyframes: whatever the labels say, it is all there is.
 //
-// A young map begins anew with what is in view once it has been lost for as long as it was tracked, or when most
-// of what it began with is gone: something was before the lens.
+// A young map begins anew with what is in view once it has been lost for as long as it was tracked, or when most of
+// what it began with is gone: something was before the lens.
 class Startup {
  public:
   // 0 frames: nothing is held back.
@@ -28,8 +27,8 @@ class Startup {
   [[nodiscard]] bool HoldsKeyframes() const { return waiting_ && !frames_.empty(); }
   // Before each frame. If a label has come that frames wait for, they are tracked again. Takes as long as that.
   void TrackAgainIfLabeled(FrontEnd& front_end);
-  // After each frame, with its outcome: begins the map anew with it if that is due, which makes it a
-  // tracked keyframe. Whether it was.
+  // After each frame, with its outcome: begins the map anew with it if that is due, which makes it a tracked keyframe.
+  // Whether it was.
   [[nodiscard]] bool BeginAnewIfLost(const IncomingFrame& frame, FrontEnd& front_end, TrackOutcome& outcome);
   // After that.
   void Keep(const IncomingFrame& frame, const TrackOutcome& outcome, FrontEnd& front_end);
@@ -38,6 +37,8 @@ class Startup {
 
  private:
   [[nodiscard]] bool HasUsableLabel(const FrontEnd& front_end) const;
+  // Whether a label has come that left nothing to begin with.
+  [[nodiscard]] bool AwaitsBetter() const { return ask_ || begin_ > 0; }
   // The frames from `first` on.
   void TrackAgain(std::size_t first, FrontEnd& front_end);
   void Ask(const IncomingFrame& frame, FrontEnd& front_end);

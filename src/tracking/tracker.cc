@@ -189,9 +189,6 @@ TrackOutcome Tracker::Lost(const StageTimes& times) {
   current_.camera_from_reference = last_.camera_from_reference;
   motion_.Forget();
   TrackOutcome outcome;
-  if (const LocalKeyframe* const reference = map_->Find(current_.reference); reference != nullptr && last_.tracked) {
-    outcome.left_of_reference = ExplainedShare(*reference->data, {}, *current_.data, current_.camera_from_reference);
-  }
   outcome.times = times;
   return outcome;
 }
@@ -226,7 +223,6 @@ TrackOutcome Tracker::Tracked(PoseEstimate estimate, const WorkerStatus& status,
   outcome.camera_from_world = current_.camera_from_world;
   outcome.reference = current_.reference;
   outcome.camera_from_reference = current_.camera_from_reference;
-  outcome.left_of_reference = ExplainedShare(*reference.data, {}, *current_.data, current_.camera_from_reference);
   const LocalKeyframe* const oldest = OldestOfThisView();
   outcome.confidence = oldest != nullptr ? ExplainedBy(*oldest) : std::nullopt;
   outcome.wants_keyframe = WantsKeyframe(Situation(status), options_.policy);
@@ -235,6 +231,13 @@ TrackOutcome Tracker::Tracked(PoseEstimate estimate, const WorkerStatus& status,
   outcome.rejected.insert(outcome.rejected.end(), estimate.outliers.begin(), estimate.outliers.end());
   outcome.times = times;
   return outcome;
+}
+
+std::optional<double> Tracker::LeftOfReference() const {
+  const LocalKeyframe* const reference = map_ != nullptr ? map_->Find(current_.reference) : nullptr;
+  return reference != nullptr && (current_.tracked || last_.tracked)
+             ? ExplainedShare(*reference->data, {}, *current_.data, current_.camera_from_reference)
+             : std::nullopt;
 }
 
 std::optional<double> Tracker::ExplainedBy(const LocalKeyframe& keyframe) const {

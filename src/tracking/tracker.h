@@ -34,8 +34,6 @@ struct TrackOutcome {
   // Share of the depth image that the pose explains (ExplainedShare) by the view of the oldest keyframe that looks the
   // same way; with semantics of what is known as static.
   std::optional<double> confidence;
-  // Share of what the reference saw that is still there; of a frame just lost as seen from the pose before.
-  std::optional<double> left_of_reference;
   bool wants_keyframe = false;       // MakeCandidate gives it
   std::vector<PointMatch> used;      // the pose stands on these
   std::vector<PointMatch> rejected;  // dynamic points and outliers
@@ -57,6 +55,9 @@ class Tracker {
 
   // The frame just tracked as a keyframe; to be called at most once, after Track said wants_keyframe.
   [[nodiscard]] KeyframeCandidate MakeCandidate();
+  // Share of what the reference keyframe saw that the newest frame still shows (ExplainedShare), by its pose, or by
+  // that of the frame before if it is just lost. Nothing where that says too little.
+  [[nodiscard]] std::optional<double> LeftOfReference() const;
   // Expected of points at rest in the frame of the camera, m/s and rad/s; 0 where nothing is known.
   [[nodiscard]] Tangent6 Velocity() const { return motion_.Velocity(); }
   // Tells that the candidate was taken: the policy counts anew.
