@@ -83,12 +83,13 @@ void Map::SetPose(KeyframeId id, const Rigid3& camera_from_world) {
 
 void Map::Label(KeyframeId id, std::vector<KeypointLabel> labels) {
   Keyframe& keyframe = Mutable(id);
-  Check(!keyframe.IsLabeled(), "a keyframe is labeled once");
   Check(labels.size() == keyframe.points.size(), "a label for each keypoint");
   keyframe.labels = std::move(labels);
   for (const PointId point : keyframe.points) {
     if (point.valid()) {
-      CountLabel(keyframe, *PlaceOf(Mutable(point).observations, id), point);
+      Observation& observation = *PlaceOf(Mutable(point).observations, id);
+      probabilities_.Retract(point, std::exchange(observation.log_odds, 0.0F));
+      CountLabel(keyframe, observation, point);
     }
   }
 }

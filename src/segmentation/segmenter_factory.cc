@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "base/suggest.h"
 #include "segmentation/segmentation_model.h"
+#include "segmentation/unsure_segmenter.h"
 #include "segmentation/weights.h"
 
 namespace rds {
@@ -48,7 +49,7 @@ std::string FromName(const std::string& name) {
 }  // namespace
 
 const std::vector<std::string>& SegmenterNames() {
-  static const std::vector<std::string> names = {"openvino", "stored", "none"};
+  static const std::vector<std::string> names = {"openvino", "stored", "geometry", "none"};
   return names;
 }
 
@@ -71,6 +72,9 @@ std::unique_ptr<Segmenter> MakeSegmenter(const std::string& name, const Segmente
                                          std::vector<StoredMask> masks, MaskReader mask_reader) {
   if (name == "none") {
     return nullptr;
+  }
+  if (name == "geometry") {
+    return std::make_unique<UnsureSegmenter>();
   }
   if (name == "stored") {
     return std::make_unique<StoredSegmenter>(std::move(masks), std::move(mask_reader), options.stored_delay_ms);

@@ -37,7 +37,7 @@ void FrontEnd::Map(KeyframeCandidate& candidate) {
 void FrontEnd::Label(const IncomingFrame& frame) {
   tracker_->KeyframeTaken();
   if (lanes_.semantics.HasSegmenter() && frame.image != nullptr) {
-    AskForLabel(frame);
+    AskForLabel(frame, false);
   }
 }
 
@@ -73,8 +73,8 @@ std::optional<TrackOutcome> FrontEnd::BeginAnew(const IncomingFrame& frame) {
   return outcome;
 }
 
-void FrontEnd::AskForLabel(const IncomingFrame& frame) {
-  executor_.Label({frame.id, frame.timestamp_s, frame.image, frame.data, false});
+void FrontEnd::AskForLabel(const IncomingFrame& frame, bool again) {
+  executor_.Label({frame.id, frame.timestamp_s, frame.image, frame.data, again, false});
 }
 
 void FrontEnd::Propagate(const IncomingFrame& frame, const TrackOutcome& outcome) {

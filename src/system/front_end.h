@@ -39,8 +39,8 @@ class FrontEnd {
   [[nodiscard]] bool CanBeginWith(const IncomingFrame& frame) const;
   // Forgets all poses and begins another world of the map with a frame just lost. Nothing while mapping is busy.
   [[nodiscard]] std::optional<TrackOutcome> BeginAnew(const IncomingFrame& frame);
-  // Has a frame labeled that is no keyframe yet.
-  void AskForLabel(const IncomingFrame& frame);
+  // Has a frame labeled that is no keyframe yet, or is labeled `again`.
+  void AskForLabel(const IncomingFrame& frame, bool again);
   // Hands a tracked frame to the propagation of labels.
   void Propagate(const IncomingFrame& frame, const TrackOutcome& outcome);
   // Forgets all poses and propagated labels: so many frames are to come again. The map stays.

@@ -160,6 +160,8 @@ void BindSemantic(SemanticOptions& options, OptionTable& table) {
              "distance by which they must have seen beyond it, as a ratio of the depth");
   table.Real("semantic.free_space_match", options.free_space.match_ratio, 0.001, 1,
              "difference in depth up to which a surface is the same, as a ratio of the depth");
+  table.Flag("semantic.motion", options.motion,
+             "what moves otherwise than most of the picture is dynamic, whatever it is (two-view motion segmentation)");
   table.Real("semantic.max_mask_ratio", options.max_mask_ratio, 0.01, 1, "ratio of the image that a mask may cover");
   table.Real("semantic.finish_timeout_s", options.finish_timeout_s, 0, 3600,
              "time to wait for missing labels at the end, in seconds");

@@ -36,6 +36,7 @@ struct SemanticOptions {
   double completion_step_ratio =
       depth_ratio::kNextUnsure;  // unsure pixels join dynamic ones across smaller steps in depth
   FreeSpaceOptions free_space;
+  bool motion = true;             // what moves otherwise than most of the picture is dynamic, whatever it is
   double max_mask_ratio = 0.95;   // a mask that covers more says nothing
   double finish_timeout_s = 5;    // for labels still missing when the sequence ends
   double cancel_timeout_s = 2;    // for a back end to give up when asked to

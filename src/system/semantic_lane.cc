@@ -11,6 +11,7 @@
 #include "base/time.h"
 #include "propagation/keyframe_labels.h"
 #include "propagation/mask_completion.h"
+#include "propagation/motion_segmentation.h"
 #include "segmentation/mask.h"
 #include "semantic/keypoint_labels.h"
 #include "semantic/semantic_optimizer.h"
@@ -18,7 +19,9 @@
 namespace rds {
 
 SemanticLane::SemanticLane(const Options& options, std::shared_ptr<Segmenter> segmenter, Backend& backend)
-    : options_(options.semantic), pose_options_(options.pose), segmenter_(std::move(segmenter)), backend_(backend) {}
+    : options_(options.semantic),
+      pyramid_(options.orb.levels, options.orb.scale_factor),
+      pose_options_(options.pose), segmenter_(std::move(segmenter)), backend_(backend) {}
 
 LabeledRound SemanticLane::Segment(std::vector<BacklogItem> items) {
   LabeledRound round;
@@ -56,12 +59,33 @@ LabeledRound SemanticLane::Segment(std::vector<BacklogItem> items) {
       mask = {};
     } else {
       CompleteMask(round.items[i].data->depth_grid(), options_.completion_step_ratio, mask);
+      AddMotion(round.items[i], mask);
       mask = Dilate(mask, DilationRadius(image.width, options_.dilation_px));
     }
     round.items[i].image.reset();  // used up
   }
   round.mask_ms = watch.Milliseconds();
   return round;
+}
+
+void SemanticLane::Remember(double timestamp_s, std::shared_ptr<const FrameData> data) {
+  if (options_.motion && HasSegmenter()) {
+    recent_.Write([&](RecentFrames& recent) { recent.Add(timestamp_s, std::move(data)); });
+  }
+}
+
+void SemanticLane::AddMotion(const BacklogItem& item, Image8& mask) const {
+  if (!options_.motion) {
+    return;
+  }
+  const auto witnesses = recent_.Read([&](const RecentFrames& recent) { return recent.Witnesses(item.timestamp_s); });
+  const std::vector<KeypointLabel> known = LabelKeypoints(*item.data, mask);
+  for (const auto& witness : witnesses) {
+    if (const auto segmented = SegmentByMotion(*item.data, known, *witness, pyramid_)) {
+      DrawSurfaces(*item.data, segmented->labels, mask);
+      return;
+    }
+  }
 }
 
 void SemanticLane::WarnOfSegmentation(const std::string& text) {
@@ -106,6 +130,7 @@ void SemanticLane::PublishLabeledViews(const LabeledRound& round) {
   for (std::size_t i = 0; i < round.items.size(); ++i) {
     if (!round.masks[i].empty()) {
       const BacklogItem& item = round.items[i];
+      std::erase_if(labeled_, [&](const DepthView& view) { return view.frame == item.frame; });
       labeled_.push_back(MakeView(item.frame, item.data, {}, LabelGrid(*item.data, round.masks[i])));
     }
   }
@@ -143,11 +168,11 @@ LabelEvent SemanticLane::ApplyMask(const BacklogItem& item, const Image8& mask) 
 }
 
 void SemanticLane::PublishAnswer(const BacklogItem& item, const std::vector<KeypointLabel>& labels) {
-  Answer answer{item.frame, 0};
+  Answer answer{item.frame, 0, item.again};
   for (std::size_t i = 0; i < labels.size(); ++i) {
-    answer.static_keypoints += labels[i] == KeypointLabel::kStatic && item.data->keypoints()[i].HasDepth() ? 1 : 0;
+    answer.usable_keypoints += labels[i] != KeypointLabel::kDynamic && item.data->keypoints()[i].HasDepth() ? 1 : 0;
   }
-  if (const auto newest = answer_.Get(); newest == nullptr || newest->frame < answer.frame) {
+  if (const auto newest = answer_.Get(); newest == nullptr || newest->frame <= answer.frame) {
     answer_.Publish(std::make_shared<const Answer>(answer));
   }
 }

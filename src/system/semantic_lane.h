@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "propagation/free_space.h"
+#include "propagation/recent_frames.h"
 #include "runtime/guarded.h"
 #include "runtime/published.h"
 #include "segmentation/segmenter.h"
@@ -39,6 +40,8 @@ class SemanticLane {
   void Apply(const LabeledRound& round);
 
   [[nodiscard]] bool HasSegmenter() const { return segmenter_ != nullptr; }
+  // Each frame, as it comes: what is labeled later is compared with it.
+  void Remember(double timestamp_s, std::shared_ptr<const FrameData> data);
   // Asks the back end to give up.
   void Cancel();
 
@@ -48,7 +51,8 @@ class SemanticLane {
   // What the newest mask leaves of its frame; nothing before the first. Its labels are in the map.
   struct Answer {
     FrameId frame;
-    int static_keypoints = 0;  // with depth
+    int usable_keypoints = 0;  // with depth, and not dynamic
+    bool again = false;        // as of the item
   };
   [[nodiscard]] std::optional<Answer> NewestAnswer() const;
   // Newest frame that has been labeled; -1 before the first.
@@ -66,6 +70,8 @@ class SemanticLane {
   };
 
   void PublishAnswer(const BacklogItem& item, const std::vector<KeypointLabel>& labels);
+  // Makes dynamic what moves otherwise than most of the picture.
+  void AddMotion(const BacklogItem& item, Image8& mask) const;
   // Logs the first few, and that there are more.
   void WarnOfSegmentation(const std::string& text);
   // Publishes the newest labeled views.
@@ -76,10 +82,12 @@ class SemanticLane {
   void OptimizeFrom(FrameId frame);
 
   SemanticOptions options_;
+  ScalePyramid pyramid_;
   PoseOptimizerOptions pose_options_;
   std::shared_ptr<Segmenter> segmenter_;
   Backend& backend_;
   Guarded<Metrics> metrics_;
+  Guarded<RecentFrames> recent_;
   Published<MaskView> mask_;
   Published<Answer> answer_;
   int segmentation_warnings_ = 0;

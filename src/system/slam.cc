@@ -45,7 +45,8 @@ class Slam::Impl {
         front_end_(options, extractor_.pyramid(), *lanes_, *executor_),
         startup_(lanes_->semantics.HasSegmenter() && options.tracking.association.use_semantics
                      ? options.semantic.start_frames
-                     : 0) {}
+                     : 0,
+                 options_.semantic.motion) {}
 
   FrameResult Process(const RgbdFrame& frame);
   SlamResult Finish();
@@ -101,6 +102,8 @@ FrameResult Slam::Impl::TrackFrame(const RgbdFrame& frame) {
                                std::make_shared<const FrameData>(extractor_.Extract(camera_, *frame.image, *frame.depth,
                                                                                     motion, front_end_.Velocity())),
                                frame.image};
+  lanes_->semantics.Remember(incoming.timestamp_s, incoming.data);
+  lanes_->semantics.Remember(incoming.timestamp_s, incoming.data);
   result.timing.extraction_ms = watch.Milliseconds();
 
   TrackOutcome outcome = front_end_.Track(incoming, front_end_.CurrentLocalMap(), labels);

@@ -21,7 +21,7 @@ constexpr double kLeastLeft = 0.4;  // of what the map began with: with less tha
 
 bool Startup::HasUsableLabel(const FrontEnd& front_end) const {
   const auto answer = front_end.NewestAnswer();
-  return answer && asked_.valid() && answer->frame == asked_ && answer->static_keypoints >= front_end.LeastToBegin();
+  return answer && asked_.valid() && answer->frame == asked_ && answer->usable_keypoints >= front_end.LeastToBegin();
 }
 
 void Startup::TrackAgainIfLabeled(FrontEnd& front_end) {
@@ -29,11 +29,27 @@ void Startup::TrackAgainIfLabeled(FrontEnd& front_end) {
     return;
   }
   if (HasUsableLabel(front_end)) {
-    waiting_ = false;
-    TrackAgain(begin_, front_end);
+    if (IsFinal(front_end)) {
+      waiting_ = false;
+      TrackAgain(begin_, front_end);
+    }
   } else if (const auto answer = front_end.NewestAnswer(); answer && answer->frame == asked_) {
     ask_ = true;
   }
+}
+
+bool Startup::IsFinal(FrontEnd& front_end) {
+  if (!compares_ || front_end.NewestAnswer()->again || waited_again_ >= most_frames_) {
+    return true;
+  }
+  IncomingFrame& first = frames_[begin_];
+  if (!asked_again_ && frames_.back().timestamp_s - first.timestamp_s >= RecentFrames::kWitness_s) {
+    asked_again_ = true;
+    front_end.AskForLabel(first, true);
+    first.image.reset();  // as its keyframe it is not to be labeled once more
+  }
+  ++waited_again_;
+  return false;
 }
 
 void Startup::TrackAgain(std::size_t first, FrontEnd& front_end) {
@@ -69,9 +85,13 @@ void Startup::Ask(const IncomingFrame& frame, FrontEnd& front_end) {
   }
   asked_ = frame.id;
   ask_ = false;
-  front_end.AskForLabel(frame);
+  asked_again_ = false;
+  waited_again_ = 0;
+  front_end.AskForLabel(frame, false);
   frames_.push_back(frame);
-  frames_.back().image.reset();  // its label is asked for only once
+  if (!compares_) {
+    frames_.back().image.reset();  // as its keyframe it is not to be labeled once more
+  }
 }
 
 bool Startup::BeginAnewIfLost(const IncomingFrame& frame, FrontEnd& front_end, TrackOutcome& outcome) {
@@ -95,6 +115,8 @@ bool Startup::BeginAnewIfLost(const IncomingFrame& frame, FrontEnd& front_end, T
   begin_ = 0;
   asked_ = frame.id;
   ask_ = false;
+  asked_again_ = false;
+  waited_again_ = 0;
   tracked_ = 1;
   lost_ = 0;
   return true;

@@ -21,7 +21,8 @@ namespace rds {
 class Startup {
  public:
   // 0 frames: nothing is held back.
-  explicit Startup(int most_frames) : most_frames_(most_frames), waiting_(most_frames > 0) {}
+  // `compares`: labels are worth more once there are later frames to compare theirs with.
+  Startup(int most_frames, bool compares) : most_frames_(most_frames), compares_(compares), waiting_(most_frames > 0) {}
 
   // Whether keyframes are held back for now.
   [[nodiscard]] bool HoldsKeyframes() const { return waiting_ && !frames_.empty(); }
@@ -42,12 +43,17 @@ class Startup {
   // The frames from `first` on.
   void TrackAgain(std::size_t first, FrontEnd& front_end);
   void Ask(const IncomingFrame& frame, FrontEnd& front_end);
+  // Whether the label that has come is the best to be had.
+  [[nodiscard]] bool IsFinal(FrontEnd& front_end);
 
   int most_frames_;
+  bool compares_;
   bool waiting_;
   std::vector<IncomingFrame> frames_;  // since the first one that was tracked
   std::size_t begin_ = 0;              // of those: the one that the map is to begin with. The ones before have no image
   FrameId asked_;                      // that one: its label is awaited
+  bool asked_again_ = false;           // for what has moved since
+  int waited_again_ = 0;               // frames
   bool ask_ = false;                   // its label leaves nothing: the next frame's is wanted
   int waited_ = 0;                     // frames
   int lost_waiting_ = 0;               // frames on end

@@ -1,0 +1,303 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "propagation/motion_segmentation.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "base/error.h"
+#include "base/random.h"
+#include "feature/keypoint_observation.h"
+#include "feature/matching.h"
+#include "geometry/alignment.h"
+#include "optim/pose_optimizer.h"
+#include "propagation/surface_labels.h"
+#include "segmentation/mask.h"
+
+namespace rds {
+namespace {
+
+constexpr double kMatchRatio = 0.85;  // of the best descriptor distance to the second
+constexpr int kLeastMatches = 60;
+constexpr int kMotionTrials = 300;
+constexpr int kCellsAcross = 16;       // of the image: each counts once
+constexpr double kLeastShare = 0.5;    // of the matched area that must follow one motion
+constexpr double kNeighborhood = 0.08;  // of the width of the image
+constexpr float kSameThing = 0.15F;    // difference in depth within a neighborhood, as a ratio
+constexpr int kLeastAlike = 3;     // that contradict alike
+constexpr int kAlike = 60;             // Hamming distance up to which a keypoint may be the one that was looked for
+constexpr double kAlike_px = 6;        // around the place where it should be
+
+// A keypoint of the frame with its counterpart in the witness, both with depth.
+struct Pair {
+  std::uint32_t here = 0;
+  std::uint32_t there = 0;
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();  // in the frame's camera
+  Eigen::Vector3d seen = Eigen::Vector3d::Zero();   // in the witness's camera
+  double sigma_px = 1;
+  double sigma_m = 0;
+  int cell = 0;
+  double area = 1;
+};
+
+// How far a pair is from a motion, in standard deviations.
+struct Misfit {
+  double image = 0;
+  double depth = 0;
+  Eigen::Vector2d shift_px = Eigen::Vector2d::Zero();  // from the place where the motion takes it
+
+  [[nodiscard]] bool Within(double image_bound, double depth_bound) const {
+    return image < image_bound && depth < depth_bound;
+  }
+};
+
+Misfit Measure(const Pair& pair, const FrameData& witness, const Eigen::Matrix3d& rotation,
+               const Eigen::Vector3d& translation) {
+  constexpr double kNowhere = 1e6;
+  const Eigen::Vector3d moved = rotation * pair.point + translation;
+  if (moved.z() <= 0) {
+    return {kNowhere, kNowhere, Eigen::Vector2d::Constant(kNowhere)};
+  }
+  Misfit misfit;
+  misfit.shift_px = witness.keypoints()[pair.there].Pixel() - witness.camera().Project(moved);
+  misfit.image = misfit.shift_px.norm() / pair.sigma_px;
+  misfit.depth = std::abs(moved.z() - pair.seen.z()) / pair.sigma_m;
+  return misfit;
+}
+
+std::vector<Pair> FindPairs(const FrameData& frame, std::span<const KeypointLabel> known, const FrameData& witness,
+                            const ScalePyramid& pyramid) {
+  std::vector<std::uint32_t> chosen;
+  for (std::uint32_t i = 0; i < frame.size(); ++i) {
+    if (frame.keypoints()[i].HasDepth() && (known.empty() || known[i] != KeypointLabel::kDynamic)) {
+      chosen.push_back(i);
+    }
+  }
+  const double cell_px = static_cast<double>(frame.camera().width) / kCellsAcross;
+  std::vector<Pair> pairs;
+  std::map<int, int> in_cell;
+  for (const Match& match : MatchDescriptors(frame, chosen, witness, kMatchRatio)) {
+    const Keypoint& here = frame.keypoints()[chosen[match.query]];
+    const Keypoint& there = witness.keypoints()[match.keypoint];
+    if (!there.HasDepth()) {
+      continue;
+    }
+    Pair pair;
+    pair.here = chosen[match.query];
+    pair.there = match.keypoint;
+    pair.point = here.PointIn(frame.camera());
+    pair.seen = there.PointIn(witness.camera());
+    pair.sigma_px = static_cast<double>(std::max(pyramid.scale[here.octave], pyramid.scale[there.octave]));
+    pair.sigma_m = std::hypot(here.depth_sigma_m, there.depth_sigma_m);
+    pair.cell = static_cast<int>(here.y / cell_px) * 2 * kCellsAcross + static_cast<int>(here.x / cell_px);
+    ++in_cell[pair.cell];
+    pairs.push_back(pair);
+  }
+  for (Pair& pair : pairs) {
+    pair.area = 1.0 / in_cell[pair.cell];
+  }
+  return pairs;
+}
+
+// Draws pairs so that each cell of the image has the same chance.
+class FairDraw {
+ public:
+  explicit FairDraw(std::span<const Pair> pairs) {
+    std::map<int, std::vector<std::uint32_t>> cells;
+    for (std::uint32_t i = 0; i < pairs.size(); ++i) {
+      cells[pairs[i].cell].push_back(i);
+    }
+    for (auto& [cell, members] : cells) {
+      cells_.push_back(std::move(members));
+    }
+  }
+  [[nodiscard]] std::uint32_t operator()(Random& random) const {
+    const auto& members = cells_[random.Index(static_cast<std::uint32_t>(cells_.size()))];
+    return members[random.Index(static_cast<std::uint32_t>(members.size()))];
+  }
+
+ private:
+  std::vector<std::vector<std::uint32_t>> cells_;
+};
+
+std::vector<std::uint8_t> Following(std::span<const Pair> pairs, const FrameData& witness, const Rigid3& motion,
+                                    double image_bound, double depth_bound, double* area) {
+  const Eigen::Matrix3d rotation = motion.RotationMatrix();
+  std::vector<std::uint8_t> follows(pairs.size(), 0);
+  *area = 0;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    if (Measure(pairs[i], witness, rotation, motion.translation).Within(image_bound, depth_bound)) {
+      follows[i] = 1;
+      *area += pairs[i].area;
+    }
+  }
+  return follows;
+}
+
+// The motion that most of the area follows.
+std::optional<Rigid3> MotionOfMost(std::span<const Pair> pairs, const FrameData& witness, const ScalePyramid& pyramid) {
+  const FairDraw draw(pairs);
+  Random random(1);
+  std::optional<Rigid3> best;
+  double most = 0;
+  for (int trial = 0; trial < kMotionTrials; ++trial) {
+    const std::array<std::uint32_t, 3> pick = {draw(random), draw(random), draw(random)};
+    if (pick[0] == pick[1] || pick[1] == pick[2] || pick[0] == pick[2]) {
+      continue;
+    }
+    std::array<Eigen::Vector3d, 3> from;
+    std::array<Eigen::Vector3d, 3> to;
+    for (std::size_t i = 0; i < 3; ++i) {
+      from[i] = pairs[pick[i]].point;
+      to[i] = pairs[pick[i]].seen;
+    }
+    const Rigid3 motion = Align(from, to, false).target_from_source;
+    double area = 0;
+    static_cast<void>(Following(pairs, witness, motion, 3, 5, &area));  // an alignment of three noisy depths is coarse
+    if (area > most) {
+      most = area;
+      best = motion;
+    }
+  }
+  for (const double bound : {3.0, 2.0, 1.5}) {
+    if (!best) {
+      break;
+    }
+    double area = 0;
+    const auto follows = Following(pairs, witness, *best, bound, 2 * bound, &area);
+    std::vector<PoseObservation> observations;
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      if (follows[i] != 0) {
+        observations.push_back({pairs[i].point, ObservationOf(witness.keypoints()[pairs[i].there], pyramid,
+                                                              std::sqrt(pairs[i].area))});
+      }
+    }
+    const PoseResult result = OptimizePose(witness.camera(), *best, observations);
+    if (!result.converged) {
+      return std::nullopt;
+    }
+    best = result.camera_from_world;
+  }
+  return best;
+}
+
+// Whether the witness has a keypoint like this one where the motion takes it.
+bool IsThereToo(const Pair& pair, const FrameData& frame, const FrameData& witness, const Rigid3& motion) {
+  const Eigen::Vector3d moved = motion * pair.point;
+  if (moved.z() <= 0) {
+    return false;
+  }
+  const Eigen::Vector2d place = witness.camera().Project(moved);
+  SearchWindow window;
+  window.x = static_cast<float>(place.x());
+  window.y = static_cast<float>(place.y());
+  window.radius_px = static_cast<float>(kAlike_px * pair.sigma_px);
+  return FindBest(witness, window, frame.descriptors()[pair.here]).distance < kAlike;
+}
+
+}  // namespace
+
+std::optional<MotionSegmentation> SegmentByMotion(const FrameData& frame, std::span<const KeypointLabel> known,
+                                                  const FrameData& witness, const ScalePyramid& pyramid) {
+  Check(known.empty() || known.size() == frame.size(), "a label for each keypoint");
+  const std::vector<Pair> pairs = FindPairs(frame, known, witness, pyramid);
+  if (std::ssize(pairs) < kLeastMatches) {
+    return std::nullopt;
+  }
+  const auto motion = MotionOfMost(pairs, witness, pyramid);
+  if (!motion) {
+    return std::nullopt;
+  }
+  const Eigen::Matrix3d rotation = motion->RotationMatrix();
+  std::vector<Misfit> misfits;
+  std::vector<KeypointLabel> verdicts(pairs.size(), KeypointLabel::kNone);
+  double area = 0;
+  double following = 0;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    misfits.push_back(Measure(pairs[i], witness, rotation, motion->translation));
+    area += pairs[i].area;
+    if (misfits[i].Within(3, 4)) {
+      verdicts[i] = KeypointLabel::kStatic;
+      following += pairs[i].area;
+    } else if (!misfits[i].Within(5, 8) && !IsThereToo(pairs[i], frame, witness, *motion)) {
+      verdicts[i] = KeypointLabel::kDynamic;
+    }
+  }
+  MotionSegmentation result{std::vector<KeypointLabel>(frame.size(), KeypointLabel::kNone), following / area,
+                            static_cast<int>(pairs.size())};
+  if (result.share < kLeastShare) {
+    return std::nullopt;
+  }
+  const double reach_px = kNeighborhood * frame.camera().width;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const Keypoint& here = frame.keypoints()[pairs[i].here];
+    if (verdicts[i] == KeypointLabel::kDynamic) {
+      int alike = 0;
+      int following_beside = 0;
+      for (std::size_t k = 0; k < pairs.size(); ++k) {
+        const Keypoint& beside = frame.keypoints()[pairs[k].here];
+        if (k == i || (beside.Pixel() - here.Pixel()).norm() > reach_px ||
+            !SameSurface(here.depth_m, beside.depth_m, kSameThing)) {
+          continue;
+        }
+        following_beside += verdicts[k] == KeypointLabel::kStatic ? 1 : 0;
+        const double difference_px = (misfits[k].shift_px - misfits[i].shift_px).norm();
+        alike += verdicts[k] == KeypointLabel::kDynamic &&
+                         difference_px < std::max(4.0, 0.25 * misfits[i].shift_px.norm())
+                     ? 1
+                     : 0;
+      }
+      if (alike < kLeastAlike || alike <= following_beside) {
+        continue;
+      }
+    }
+    result.labels[pairs[i].here] = verdicts[i];
+  }
+  return result;
+}
+
+void DrawSurfaces(const FrameData& data, std::span<const KeypointLabel> labels, Image8& mask) {
+  Check(labels.size() == data.size(), "a label for each keypoint");
+  Check(mask.width == data.camera().width && mask.height == data.camera().height && mask.channels == 1,
+        "the mask has the size of the image");
+  const DepthGrid& grid = data.depth_grid();
+  if (grid.empty()) {
+    return;
+  }
+  std::vector<KeypointLabel> samples(grid.size(), KeypointLabel::kNone);
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    const Keypoint& keypoint = data.keypoints()[i];
+    const auto sample = grid.IndexOfPixel(keypoint.raw_x, keypoint.raw_y);
+    if (labels[i] == KeypointLabel::kNone || !sample || samples[*sample] == KeypointLabel::kDynamic ||
+        !SameSurface(keypoint.depth_m, grid[*sample], kSameThing)) {
+      continue;
+    }
+    samples[*sample] = labels[i];
+  }
+  SurfaceLabelOptions options;
+  options.max_dynamic_distance_px = 100;
+  options.max_static_distance_px = 100;
+  SurfaceLabels surfaces(options);
+  surfaces.Start(grid);
+  surfaces.Add(std::span<const KeypointLabel>(samples));
+  surfaces.Spread();
+  const std::vector<SurfaceLabel> spread = surfaces.Labels();
+  grid.ForEach([&](int column, int row) {
+    const SurfaceLabel& label = spread[grid.Index(column, row)];
+    if (!label.IsKnown()) {
+      return;
+    }
+    for (int y = row * kDepthGridStep; y < (row + 1) * kDepthGridStep; ++y) {
+      std::uint8_t* const pixels = mask.Row(y) + column * kDepthGridStep;
+      if (label.dynamic) {
+        std::fill_n(pixels, kDepthGridStep, kDynamicPixel);
+      } else {
+        std::replace(pixels, pixels + kDepthGridStep, kUnsurePixel, kStaticPixel);
+      }
+    }
+  });
+}
+
+}  // namespace rds
