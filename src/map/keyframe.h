@@ -33,6 +33,7 @@ struct Keyframe {
   std::shared_ptr<const FrameData> data;
   std::vector<PointId> points;        // one for each keypoint, invalid = none
   std::vector<KeypointLabel> labels;  // one for each keypoint once the keyframe is labeled, empty before
+  bool certain = false;               // the dynamic ones were seen to move
   std::vector<Covisible> covisible;   // most shared points first, ties by id
   KeyframeId parent;                  // spanning tree of its world; invalid for the root
   std::vector<KeyframeId> children;   // ascending

@@ -81,10 +81,11 @@ void Map::SetPose(KeyframeId id, const Rigid3& camera_from_world) {
   ++keyframe.pose_revision;
 }
 
-void Map::Label(KeyframeId id, std::vector<KeypointLabel> labels) {
+void Map::Label(KeyframeId id, std::vector<KeypointLabel> labels, bool certain) {
   Keyframe& keyframe = Mutable(id);
   Check(labels.size() == keyframe.points.size(), "a label for each keypoint");
   keyframe.labels = std::move(labels);
+  keyframe.certain = certain;
   for (const PointId point : keyframe.points) {
     if (point.valid()) {
       Observation& observation = *PlaceOf(Mutable(point).observations, id);
@@ -96,8 +97,10 @@ void Map::Label(KeyframeId id, std::vector<KeypointLabel> labels) {
 
 void Map::CountLabel(const Keyframe& keyframe, Observation& observation, PointId point) {
   if (keyframe.IsLabeled() && keyframe.labels[observation.keypoint] != KeypointLabel::kNone) {
-    observation.log_odds =
-        probabilities_.Observe(point, keyframe.labels[observation.keypoint] == KeypointLabel::kDynamic);
+    const bool dynamic = keyframe.labels[observation.keypoint] == KeypointLabel::kDynamic;
+    for (int times = dynamic && keyframe.certain ? 2 : 1; times > 0; --times) {
+      observation.log_odds += probabilities_.Observe(point, dynamic);
+    }
   }
 }
 

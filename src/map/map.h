@@ -81,9 +81,10 @@ class Map {
   // Recomputes the covisibility edges of a keyframe (edges from kMinShared points on, else the single best one) and
   // gives it a parent if it has none.
   void UpdateCovisibility(KeyframeId keyframe);
-  // Stores the labels of a keyframe's keypoints and takes one Bayes step for each point that it sees. Throws
-  // InvariantError if it is labeled already, or if there is not one label for each keypoint.
-  void Label(KeyframeId keyframe, std::vector<KeypointLabel> labels);
+  // Stores the labels of a keyframe's keypoints and takes one Bayes step for each point that it sees, two for a dynamic
+  // one where they are `certain`; steps by an earlier label of the keyframe are taken back. Throws InvariantError if
+  // there is not one label for each keypoint.
+  void Label(KeyframeId keyframe, std::vector<KeypointLabel> labels, bool certain = false);
   // Keeps labels of a frame whose keyframe is still to come; they are dropped if it cannot come any more.
   void KeepEarlyLabels(FrameId frame, std::vector<KeypointLabel> labels);
   [[nodiscard]] std::vector<KeypointLabel> TakeEarlyLabels(FrameId frame);

@@ -15,7 +15,8 @@ struct Question {
 
 }  // namespace
 
-void LabelKeyframe(MapAccess& map, FrameId frame, std::vector<KeypointLabel> labels, const FreeSpaceOptions& options) {
+void LabelKeyframe(MapAccess& map, FrameId frame, std::vector<KeypointLabel> labels, bool certain,
+                   const FreeSpaceOptions& options) {
   if (options.enabled) {
     const auto question = map.Read([&](const Map& locked) -> std::optional<Question> {
       const Keyframe* const keyframe = locked.FindByFrame(frame);
@@ -35,7 +36,7 @@ void LabelKeyframe(MapAccess& map, FrameId frame, std::vector<KeypointLabel> lab
   }
   map.Write([&](Map& locked) {
     if (const Keyframe* const keyframe = locked.FindByFrame(frame)) {
-      locked.Label(keyframe->id, std::move(labels));
+      locked.Label(keyframe->id, std::move(labels), certain);
     } else {
       locked.KeepEarlyLabels(frame, std::move(labels));
     }

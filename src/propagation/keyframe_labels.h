@@ -11,6 +11,8 @@ namespace rds {
 
 // Labels the keyframe made from a frame: by its mask, and dynamic where the free space that earlier keyframes saw is
 // occupied now. Kept in the map if the keyframe is still to come, dropped if it is gone.
-void LabelKeyframe(MapAccess& map, FrameId frame, std::vector<KeypointLabel> labels, const FreeSpaceOptions& options);
+// `certain`: as in Map::Label.
+void LabelKeyframe(MapAccess& map, FrameId frame, std::vector<KeypointLabel> labels, bool certain,
+                   const FreeSpaceOptions& options);
 
 }  // namespace rds

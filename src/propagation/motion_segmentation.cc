@@ -15,6 +15,7 @@
 #include "optim/pose_optimizer.h"
 #include "propagation/surface_labels.h"
 #include "segmentation/mask.h"
+#include "semantic/keypoint_labels.h"
 
 namespace rds {
 namespace {
@@ -136,6 +137,20 @@ std::vector<std::uint8_t> Following(std::span<const Pair> pairs, const FrameData
   return follows;
 }
 
+// How well a motion explains the pairs: 1 where each fits exactly, 0 where none is near.
+double Score(std::span<const Pair> pairs, const FrameData& witness, const Rigid3& motion) {
+  const Eigen::Matrix3d rotation = motion.RotationMatrix();
+  double score = 0;
+  double area = 0;
+  for (const Pair& pair : pairs) {
+    const Misfit misfit = Measure(pair, witness, rotation, motion.translation);
+    const double squared = (misfit.image * misfit.image + misfit.depth * misfit.depth) / 9;
+    score += pair.area * std::max(0.0, 1 - squared);
+    area += pair.area;
+  }
+  return score / area;
+}
+
 // The motion that most of the area follows.
 std::optional<Rigid3> MotionOfMost(std::span<const Pair> pairs, const FrameData& witness, const ScalePyramid& pyramid) {
   const FairDraw draw(pairs);
@@ -200,7 +215,9 @@ bool IsThereToo(const Pair& pair, const FrameData& frame, const FrameData& witne
 }  // namespace
 
 std::optional<MotionSegmentation> SegmentByMotion(const FrameData& frame, std::span<const KeypointLabel> known,
-                                                  const FrameData& witness, const ScalePyramid& pyramid) {
+                                                  const FrameData& witness,
+                                                  const std::optional<Rigid3>& witness_from_frame,
+                                                  const ScalePyramid& pyramid) {
   Check(known.empty() || known.size() == frame.size(), "a label for each keypoint");
   const std::vector<Pair> pairs = FindPairs(frame, known, witness, pyramid);
   if (std::ssize(pairs) < kLeastMatches) {
@@ -225,8 +242,12 @@ std::optional<MotionSegmentation> SegmentByMotion(const FrameData& frame, std::s
       verdicts[i] = KeypointLabel::kDynamic;
     }
   }
-  MotionSegmentation result{std::vector<KeypointLabel>(frame.size(), KeypointLabel::kNone), following / area,
+  MotionSegmentation result{std::vector<KeypointLabel>(frame.size(), KeypointLabel::kNone), *motion, following / area, 0, 0,
                             static_cast<int>(pairs.size())};
+  if (witness_from_frame) {
+    result.expected_share = Score(pairs, witness, *witness_from_frame);
+    result.score = Score(pairs, witness, *motion);
+  }
   if (result.share < kLeastShare) {
     return std::nullopt;
   }
@@ -256,6 +277,45 @@ std::optional<MotionSegmentation> SegmentByMotion(const FrameData& frame, std::s
     result.labels[pairs[i].here] = verdicts[i];
   }
   return result;
+}
+
+std::vector<Relabeling> PlanRelabeling(const Map& map, FrameId frame, FrameId witness) {
+  const Keyframe* const judged = map.FindByFrame(frame);
+  if (judged == nullptr || !judged->IsLabeled()) {
+    return {};
+  }
+  std::vector<Relabeling> relabelings;
+  const auto& ids = map.keyframes();
+  for (auto id = std::ranges::lower_bound(ids, judged->id); id != ids.begin();) {
+    const Keyframe& earlier = map.At(*--id);
+    if (earlier.frame <= witness || earlier.world != judged->world) {
+      break;
+    }
+    if (!earlier.IsLabeled()) {
+      continue;
+    }
+    std::vector<KeypointLabel> seeds(earlier.points.size(), KeypointLabel::kNone);
+    for (std::size_t i = 0; i < seeds.size(); ++i) {
+      if (earlier.points[i].valid()) {
+        const std::vector<Observation>& seen = map.At(earlier.points[i]).observations;
+        const auto there = std::ranges::find(seen, judged->id, &Observation::keyframe);
+        seeds[i] = there != seen.end() ? judged->labels[there->keypoint] : KeypointLabel::kNone;
+      }
+    }
+    relabelings.push_back({earlier.id, earlier.data, std::move(seeds), earlier.labels});
+  }
+  return relabelings;
+}
+
+std::vector<KeypointLabel> Relabel(const Relabeling& relabeling) {
+  const FrameData& data = *relabeling.data;
+  Image8 mask(data.camera().width, data.camera().height, 1, kUnsurePixel);
+  DrawSurfaces(data, relabeling.seeds, mask);
+  std::vector<KeypointLabel> labels = LabelKeypoints(data, mask);
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    labels[i] = labels[i] == KeypointLabel::kDynamic ? labels[i] : relabeling.labels[i];
+  }
+  return labels;
 }
 
 void DrawSurfaces(const FrameData& data, std::span<const KeypointLabel> labels, Image8& mask) {

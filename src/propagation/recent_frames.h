@@ -4,8 +4,10 @@
 
 #include <deque>
 #include <memory>
+#include <span>
 #include <vector>
 
+#include "base/ids.h"
 #include "feature/frame_data.h"
 
 namespace rds {
@@ -15,18 +17,19 @@ class RecentFrames {
  public:
   static constexpr double kWitness_s = 0.65;  // how far apart views should lie to be compared
 
-  // Timestamps ascend.
-  void Add(double timestamp_s, std::shared_ptr<const FrameData> data);
-  // Frames to compare that of a timestamp with, the farthest first, up to kWitness_s away: earlier ones, or where they
-  // do not reach as far, later ones.
-  [[nodiscard]] std::vector<std::shared_ptr<const FrameData>> Witnesses(double timestamp_s) const;
-
- private:
   struct Entry {
+    FrameId frame;
     double timestamp_s = 0;
     std::shared_ptr<const FrameData> data;
   };
 
+  // Timestamps ascend.
+  void Add(Entry entry);
+  // Frames to compare that of a timestamp with, the farthest first, about kWitness_s away and less: earlier ones, or
+  // where they do not reach as far, later ones; of several those that are `preferred` (ascending).
+  [[nodiscard]] std::vector<Entry> Witnesses(double timestamp_s, std::span<const FrameId> preferred) const;
+
+ private:
   std::deque<Entry> entries_;
 };
 

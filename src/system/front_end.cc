@@ -22,7 +22,7 @@ TrackOutcome FrontEnd::Track(const IncomingFrame& frame, std::shared_ptr<const L
                              std::shared_ptr<const PropagatedLabels> labels) {
   TrackOutcome outcome =
       tracker_->Track(frame.id, frame.timestamp_s, frame.data, std::move(map), executor_.Status(), std::move(labels));
-  trajectory_.Add(frame.timestamp_s, outcome);
+  trajectory_.Add(frame.id, frame.timestamp_s, outcome);
   return outcome;
 }
 

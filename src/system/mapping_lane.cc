@@ -18,7 +18,7 @@ KeyframeId MappingLane::Map(const KeyframeCandidate& candidate, const std::funct
     return mapper_.Insert(map, candidate);
   });
   if (!early.empty()) {
-    LabelKeyframe(backend_, candidate.frame, std::move(early), free_space_);
+    LabelKeyframe(backend_, candidate.frame, std::move(early), false, free_space_);
   }
   backend_.PublishLocalMap(id);
   mapper_.Refine(backend_, id);

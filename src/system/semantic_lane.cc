@@ -42,6 +42,7 @@ LabeledRound SemanticLane::Segment(std::vector<BacklogItem> items) {
   round.segmentation_ms = watch.Milliseconds();
   watch.Restart();
   round.masks.resize(round.items.size());
+  round.motions.resize(round.items.size());
   for (std::size_t i = 0; i < round.items.size(); ++i) {
     Image8& mask = round.masks[i];
     if (mask.empty()) {
@@ -59,7 +60,7 @@ LabeledRound SemanticLane::Segment(std::vector<BacklogItem> items) {
       mask = {};
     } else {
       CompleteMask(round.items[i].data->depth_grid(), options_.completion_step_ratio, mask);
-      AddMotion(round.items[i], mask);
+      round.motions[i] = AddMotion(round.items[i], mask);
       mask = Dilate(mask, DilationRadius(image.width, options_.dilation_px));
     }
     round.items[i].image.reset();  // used up
@@ -68,24 +69,64 @@ LabeledRound SemanticLane::Segment(std::vector<BacklogItem> items) {
   return round;
 }
 
-void SemanticLane::Remember(double timestamp_s, std::shared_ptr<const FrameData> data) {
+void SemanticLane::Remember(RecentFrames::Entry frame) {
   if (options_.motion && HasSegmenter()) {
-    recent_.Write([&](RecentFrames& recent) { recent.Add(timestamp_s, std::move(data)); });
+    recent_.Write([&](RecentFrames& recent) { recent.Add(std::move(frame)); });
   }
 }
 
-void SemanticLane::AddMotion(const BacklogItem& item, Image8& mask) const {
+std::optional<JudgedMotion> SemanticLane::AddMotion(const BacklogItem& item, Image8& mask) const {
   if (!options_.motion) {
-    return;
+    return std::nullopt;
   }
-  const auto witnesses = recent_.Read([&](const RecentFrames& recent) { return recent.Witnesses(item.timestamp_s); });
+  const auto keyframes = backend_.Read([&](const Map& map) {
+    std::vector<FrameId> frames;
+    for (const KeyframeId id : map.keyframes()) {
+      frames.push_back(map.At(id).frame);
+    }
+    return frames;
+  });
+  const auto witnesses =
+      recent_.Read([&](const RecentFrames& recent) { return recent.Witnesses(item.timestamp_s, keyframes); });
   const std::vector<KeypointLabel> known = LabelKeypoints(*item.data, mask);
   for (const auto& witness : witnesses) {
-    if (const auto segmented = SegmentByMotion(*item.data, known, *witness, pyramid_)) {
+    const auto expected = backend_.Read([&](const Map& map) -> std::optional<Rigid3> {
+      const Keyframe* const keyframe = map.FindByFrame(item.frame);
+      const Keyframe* const other = map.FindByFrame(witness.frame);
+      return keyframe != nullptr && other != nullptr && keyframe->world == other->world
+                 ? std::optional(other->camera_from_world * keyframe->camera_from_world.Inverse())
+                 : std::nullopt;
+    });
+    if (const auto segmented = SegmentByMotion(*item.data, known, *witness.data, expected, pyramid_)) {
       DrawSurfaces(*item.data, segmented->labels, mask);
-      return;
+      if (getenv("RDS_DBG")) {
+        int n[3] = {};
+        for (auto l : segmented->labels) ++n[(int)l];
+        auto d = expected ? (segmented->witness_from_frame * expected->Inverse()).translation.norm() : -1;
+        fprintf(stderr, "motion frame %u witness %u matches %d share %.2f exp %.2f (off %.3f) static %d dyn %d mask %.3f\n",
+                item.frame.value, witness.frame.value, segmented->matches, segmented->share, segmented->expected_share-segmented->score, d, n[1], n[2],
+                (double)std::ranges::count(mask.data, kDynamicPixel) / mask.data.size());
+      }
+      return segmented->Contradicts()
+                 ? std::optional(JudgedMotion{item.frame, witness.frame, segmented->witness_from_frame})
+                 : std::nullopt;
     }
   }
+  return std::nullopt;
+}
+
+void SemanticLane::Reconsider(const JudgedMotion& motion) {
+  const auto relabelings =
+      backend_.Read([&](const Map& map) { return PlanRelabeling(map, motion.frame, motion.witness); });
+  for (const Relabeling& relabeling : relabelings) {
+    std::vector<KeypointLabel> labels = Relabel(relabeling);
+    backend_.Write([&](Map& map) {
+      if (map.Find(relabeling.keyframe) != nullptr) {
+        map.Label(relabeling.keyframe, std::move(labels), true);
+      }
+    });
+  }
+  OptimizeFrom(motion.witness);
 }
 
 void SemanticLane::WarnOfSegmentation(const std::string& text) {
@@ -106,12 +147,17 @@ void SemanticLane::Apply(const LabeledRound& round) {
       if (round.items[i].from_front) {
         fronts.push_back(events.size());
       }
-      events.push_back(ApplyMask(round.items[i], round.masks[i]));
+      events.push_back(ApplyMask(round.items[i], round.masks[i], round.motions[i].has_value()));
       events.back().segmentation_ms = round.segmentation_ms;
       events.back().mask_ms = round.mask_ms;
     }
   }
   if (options_.optimizer.enabled) {
+    for (const auto& motion : round.motions) {
+      if (motion) {
+        Reconsider(*motion);
+      }
+    }
     for (const std::size_t front : fronts) {
       const Stopwatch watch;
       OptimizeFrom(events[front].labeled_frame);
@@ -151,10 +197,10 @@ void SemanticLane::PublishLabeledViews(const LabeledRound& round) {
   views_.Publish(std::move(views));
 }
 
-LabelEvent SemanticLane::ApplyMask(const BacklogItem& item, const Image8& mask) {
+LabelEvent SemanticLane::ApplyMask(const BacklogItem& item, const Image8& mask, bool certain) {
   const Stopwatch watch;
   const std::vector<KeypointLabel> labels = LabelKeypoints(*item.data, mask);
-  LabelKeyframe(backend_, item.frame, labels, options_.free_space);
+  LabelKeyframe(backend_, item.frame, labels, certain, options_.free_space);
   PublishAnswer(item, labels);  // whoever sees it finds the labels in the map
   LabelEvent event;
   event.labeled_frame = item.frame;

@@ -19,10 +19,18 @@
 
 namespace rds {
 
+// The motion of most of the picture between a frame and an earlier or later one.
+struct JudgedMotion {
+  FrameId frame;
+  FrameId witness;
+  Rigid3 witness_from_frame;
+};
+
 // Masks of one round, dilated; empty = unusable.
 struct LabeledRound {
   std::vector<BacklogItem> items;
   std::vector<Image8> masks;  // one for each item
+  std::vector<std::optional<JudgedMotion>> motions;  // one for each item; those that contradict
   double segmentation_ms = 0;
   double mask_ms = 0;
   int failures = 0;  // keyframes without a usable mask
@@ -41,7 +49,7 @@ class SemanticLane {
 
   [[nodiscard]] bool HasSegmenter() const { return segmenter_ != nullptr; }
   // Each frame, as it comes: what is labeled later is compared with it.
-  void Remember(double timestamp_s, std::shared_ptr<const FrameData> data);
+  void Remember(RecentFrames::Entry frame);
   // Asks the back end to give up.
   void Cancel();
 
@@ -71,13 +79,15 @@ class SemanticLane {
 
   void PublishAnswer(const BacklogItem& item, const std::vector<KeypointLabel>& labels);
   // Makes dynamic what moves otherwise than most of the picture.
-  void AddMotion(const BacklogItem& item, Image8& mask) const;
+  [[nodiscard]] std::optional<JudgedMotion> AddMotion(const BacklogItem& item, Image8& mask) const;
+  // Labels the keyframes before one that was led astray again, and corrects their poses.
+  void Reconsider(const JudgedMotion& motion);
   // Logs the first few, and that there are more.
   void WarnOfSegmentation(const std::string& text);
   // Publishes the newest labeled views.
   void PublishLabeledViews(const LabeledRound& round);
   // One label's way into the map.
-  LabelEvent ApplyMask(const BacklogItem& item, const Image8& mask);
+  LabelEvent ApplyMask(const BacklogItem& item, const Image8& mask, bool certain);
   // Corrects the keyframe of a frame and those after it, in their order.
   void OptimizeFrom(FrameId frame);
 

@@ -102,8 +102,7 @@ FrameResult Slam::Impl::TrackFrame(const RgbdFrame& frame) {
                                std::make_shared<const FrameData>(extractor_.Extract(camera_, *frame.image, *frame.depth,
                                                                                     motion, front_end_.Velocity())),
                                frame.image};
-  lanes_->semantics.Remember(incoming.timestamp_s, incoming.data);
-  lanes_->semantics.Remember(incoming.timestamp_s, incoming.data);
+  lanes_->semantics.Remember({incoming.id, incoming.timestamp_s, incoming.data});
   result.timing.extraction_ms = watch.Milliseconds();
 
   TrackOutcome outcome = front_end_.Track(incoming, front_end_.CurrentLocalMap(), labels);

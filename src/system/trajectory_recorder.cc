@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "system/trajectory_recorder.h"
 
+#include <algorithm>
+#include <map>
+
 namespace rds {
 
-void TrajectoryRecorder::Add(double timestamp_s, const TrackOutcome& outcome) {
+void TrajectoryRecorder::Add(FrameId frame, double timestamp_s, const TrackOutcome& outcome) {
   if (outcome.tracked) {
-    entries_.push_back({timestamp_s, outcome.reference, outcome.camera_from_reference});
+    entries_.push_back({frame, timestamp_s, outcome.reference, outcome.camera_from_reference});
   } else if (!entries_.empty()) {
     ++lost_;
   }
@@ -17,12 +20,40 @@ void TrajectoryRecorder::GiveUp(std::size_t last_frames) {
 }
 
 Trajectory TrajectoryRecorder::Resolve(const Map& map) const {
+  // By reference: what the next keyframe that hangs on it has been corrected by since.
+  struct Drift {
+    double start_s = 0;
+    double end_s = 0;
+    Rigid3 world_from_old_world;
+  };
+  std::map<KeyframeId, Drift> drifts;
+  const auto raw = [&](const Entry& entry) {
+    return (entry.camera_from_reference * map.CameraFromWorld(entry.reference)).Inverse();
+  };
+  for (const Entry& entry : entries_) {
+    const Keyframe* const self = map.FindByFrame(entry.frame);
+    const Keyframe* const reference = map.Find(entry.reference);
+    if (self != nullptr && reference != nullptr && self != reference && self->world == reference->world) {
+      drifts.try_emplace(entry.reference, Drift{reference->timestamp_s, self->timestamp_s,
+                                                self->camera_from_world.Inverse() * raw(entry).Inverse()});
+    }
+  }
   Trajectory trajectory;
   for (const Entry& entry : entries_) {
-    if (entry.reference.valid()) {  // else the run ended before the frame became a keyframe
-      const Rigid3 camera_from_world = entry.camera_from_reference * map.CameraFromWorld(entry.reference);
-      trajectory.push_back({entry.timestamp_s, camera_from_world.Inverse()});
+    if (!entry.reference.valid()) {  // the run ended before the frame became a keyframe
+      continue;
     }
+    Rigid3 world_from_camera = raw(entry);
+    if (const auto drift = drifts.find(entry.reference); drift != drifts.end()) {
+      const auto& [start_s, end_s, correction] = drift->second;
+      const double share = std::clamp((entry.timestamp_s - start_s) / (end_s - start_s), 0.0, 1.0);
+      // About the camera, not the origin of the world.
+      const Eigen::Vector3d shift = correction * world_from_camera.translation - world_from_camera.translation;
+      world_from_camera.translation += share * shift;
+      world_from_camera.rotation =
+          Eigen::Quaterniond::Identity().slerp(share, correction.rotation) * world_from_camera.rotation;
+    }
+    trajectory.push_back({entry.timestamp_s, world_from_camera});
   }
   return trajectory;
 }

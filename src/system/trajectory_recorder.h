@@ -12,10 +12,11 @@
 namespace rds {
 
 // Remembers each pose relative to its reference keyframe, so that whatever corrects the keyframe later corrects the
-// frame. A value; one caller.
+// frame. Where a frame became a keyframe itself, that one's pose is its own; by what this differs, the frames before it
+// that hang on the same reference are corrected in proportion to the time. A value; one caller.
 class TrajectoryRecorder {
  public:
-  void Add(double timestamp_s, const TrackOutcome& outcome);
+  void Add(FrameId frame, double timestamp_s, const TrackOutcome& outcome);
   // The keyframe that the frame just added became, of a frame that started a world: its pose hangs on itself.
   void HangLastOn(KeyframeId keyframe) { entries_.back().reference = keyframe; }
   // Forgets all poses. So many of the last frames are to come again, the others count as lost.
@@ -29,6 +30,7 @@ class TrajectoryRecorder {
 
  private:
   struct Entry {
+    FrameId frame;
     double timestamp_s = 0;
     KeyframeId reference;
     Rigid3 camera_from_reference;

@@ -221,8 +221,11 @@ TrackOutcome Tracker::Tracked(PoseEstimate estimate, const WorkerStatus& status,
   TrackOutcome outcome;
   outcome.tracked = true;
   outcome.camera_from_world = current_.camera_from_world;
-  outcome.reference = current_.reference;
-  outcome.camera_from_reference = current_.camera_from_reference;
+  // What moves may have made an old keyframe the reference, from which the pose is then wrong: what comes later corrects
+  // the new ones.
+  const LocalKeyframe& newest = map_->keyframes.back();
+  outcome.reference = newest.id;
+  outcome.camera_from_reference = current_.camera_from_world * newest.camera_from_world.Inverse();
   const LocalKeyframe* const oldest = OldestOfThisView();
   outcome.confidence = oldest != nullptr ? ExplainedBy(*oldest) : std::nullopt;
   outcome.wants_keyframe = WantsKeyframe(Situation(status), options_.policy);
