@@ -15,21 +15,30 @@
 #include "optim/pose_optimizer.h"
 #include "propagation/surface_labels.h"
 #include "segmentation/mask.h"
-#include "semantic/keypoint_labels.h"
 
 namespace rds {
 namespace {
 
 constexpr double kMatchRatio = 0.85;  // of the best descriptor distance to the second
 constexpr int kLeastMatches = 60;
+constexpr int kCellsAcross = 16;  // of the image: each counts once, however many matches it has
 constexpr int kMotionTrials = 300;
-constexpr int kCellsAcross = 16;       // of the image: each counts once
-constexpr double kLeastShare = 0.5;    // of the matched area that must follow one motion
+constexpr double kLeastShare = 0.5;  // of the matched area that must follow one motion
+
+// Bounds on a misfit, in standard deviations of the position in the image and of the depth. What lies between is not
+// judged.
+constexpr double kCoarse[] = {3, 5};  // an alignment of three noisy depths is coarse
+constexpr double kFollows[] = {3, 4};
+constexpr double kElsewhere[] = {5, 8};
+constexpr double kContradiction = 0.15;  // by which the motion of most must explain more than the expected one
+
+constexpr int kLookAlike = 60;       // Hamming distance up to which a keypoint may be the one that was looked for ...
+constexpr double kLookAlike_px = 6;  // ... within this of the place where it should be, at level 0
 constexpr double kNeighborhood = 0.08;  // of the width of the image
-constexpr float kSameThing = 0.15F;    // difference in depth within a neighborhood, as a ratio
-constexpr int kLeastAlike = 3;     // that contradict alike
-constexpr int kAlike = 60;             // Hamming distance up to which a keypoint may be the one that was looked for
-constexpr double kAlike_px = 6;        // around the place where it should be
+constexpr float kSameThing = 0.15F;     // difference in depth within it, as a ratio
+constexpr int kLeastAlike = 6;          // neighbors that contradict alike
+constexpr double kAlikeShift_px = 4;    // difference of their shifts ...
+constexpr double kAlikeShift = 0.25;    // ... or this share of them
 
 // A keypoint of the frame with its counterpart in the witness, both with depth.
 struct Pair {
@@ -49,9 +58,7 @@ struct Misfit {
   double depth = 0;
   Eigen::Vector2d shift_px = Eigen::Vector2d::Zero();  // from the place where the motion takes it
 
-  [[nodiscard]] bool Within(double image_bound, double depth_bound) const {
-    return image < image_bound && depth < depth_bound;
-  }
+  [[nodiscard]] bool Within(const double (&bounds)[2]) const { return image < bounds[0] && depth < bounds[1]; }
 };
 
 Misfit Measure(const Pair& pair, const FrameData& witness, const Eigen::Matrix3d& rotation,
@@ -123,18 +130,25 @@ class FairDraw {
   std::vector<std::vector<std::uint32_t>> cells_;
 };
 
-std::vector<std::uint8_t> Following(std::span<const Pair> pairs, const FrameData& witness, const Rigid3& motion,
-                                    double image_bound, double depth_bound, double* area) {
+std::vector<const Pair*> Following(std::span<const Pair> pairs, const FrameData& witness, const Rigid3& motion,
+                                   const double (&bounds)[2]) {
   const Eigen::Matrix3d rotation = motion.RotationMatrix();
-  std::vector<std::uint8_t> follows(pairs.size(), 0);
-  *area = 0;
-  for (std::size_t i = 0; i < pairs.size(); ++i) {
-    if (Measure(pairs[i], witness, rotation, motion.translation).Within(image_bound, depth_bound)) {
-      follows[i] = 1;
-      *area += pairs[i].area;
+  std::vector<const Pair*> following;
+  for (const Pair& pair : pairs) {
+    if (Measure(pair, witness, rotation, motion.translation).Within(bounds)) {
+      following.push_back(&pair);
     }
   }
-  return follows;
+  return following;
+}
+
+template <typename Pairs>
+double Area(const Pairs& pairs) {
+  double area = 0;
+  for (const Pair* pair : pairs) {
+    area += pair->area;
+  }
+  return area;
 }
 
 // How well a motion explains the pairs: 1 where each fits exactly, 0 where none is near.
@@ -144,7 +158,7 @@ double Score(std::span<const Pair> pairs, const FrameData& witness, const Rigid3
   double area = 0;
   for (const Pair& pair : pairs) {
     const Misfit misfit = Measure(pair, witness, rotation, motion.translation);
-    const double squared = (misfit.image * misfit.image + misfit.depth * misfit.depth) / 9;
+    const double squared = (misfit.image * misfit.image + misfit.depth * misfit.depth) / (kFollows[0] * kFollows[0]);
     score += pair.area * std::max(0.0, 1 - squared);
     area += pair.area;
   }
@@ -169,8 +183,7 @@ std::optional<Rigid3> MotionOfMost(std::span<const Pair> pairs, const FrameData&
       to[i] = pairs[pick[i]].seen;
     }
     const Rigid3 motion = Align(from, to, false).target_from_source;
-    double area = 0;
-    static_cast<void>(Following(pairs, witness, motion, 3, 5, &area));  // an alignment of three noisy depths is coarse
+    const double area = Area(Following(pairs, witness, motion, kCoarse));
     if (area > most) {
       most = area;
       best = motion;
@@ -180,14 +193,10 @@ std::optional<Rigid3> MotionOfMost(std::span<const Pair> pairs, const FrameData&
     if (!best) {
       break;
     }
-    double area = 0;
-    const auto follows = Following(pairs, witness, *best, bound, 2 * bound, &area);
     std::vector<PoseObservation> observations;
-    for (std::size_t i = 0; i < pairs.size(); ++i) {
-      if (follows[i] != 0) {
-        observations.push_back({pairs[i].point, ObservationOf(witness.keypoints()[pairs[i].there], pyramid,
-                                                              std::sqrt(pairs[i].area))});
-      }
+    for (const Pair* pair : Following(pairs, witness, *best, {bound, 2 * bound})) {
+      observations.push_back(
+          {pair->point, ObservationOf(witness.keypoints()[pair->there], pyramid, std::sqrt(pair->area))});
     }
     const PoseResult result = OptimizePose(witness.camera(), *best, observations);
     if (!result.converged) {
@@ -208,15 +217,63 @@ bool IsThereToo(const Pair& pair, const FrameData& frame, const FrameData& witne
   SearchWindow window;
   window.x = static_cast<float>(place.x());
   window.y = static_cast<float>(place.y());
-  window.radius_px = static_cast<float>(kAlike_px * pair.sigma_px);
-  return FindBest(witness, window, frame.descriptors()[pair.here]).distance < kAlike;
+  window.radius_px = static_cast<float>(kLookAlike_px * pair.sigma_px);
+  return FindBest(witness, window, frame.descriptors()[pair.here]).distance < kLookAlike;
+}
+
+struct Verdict {
+  KeypointLabel label = KeypointLabel::kNone;
+  Eigen::Vector2d shift_px = Eigen::Vector2d::Zero();  // against the motion of most
+};
+
+// Static: follows one of the motions, dynamic: is far from all. The first one is that of most.
+std::vector<Verdict> Judge(std::span<const Pair> pairs, const FrameData& frame, const FrameData& witness,
+                           std::span<const Rigid3> motions) {
+  std::vector<Verdict> verdicts(pairs.size(), {KeypointLabel::kDynamic, Eigen::Vector2d::Zero()});
+  for (std::size_t m = motions.size(); m-- > 0;) {
+    const Eigen::Matrix3d rotation = motions[m].RotationMatrix();
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      Verdict& verdict = verdicts[i];
+      const Misfit misfit = Measure(pairs[i], witness, rotation, motions[m].translation);
+      verdict.shift_px = misfit.shift_px;
+      if (misfit.Within(kFollows)) {
+        verdict.label = KeypointLabel::kStatic;
+      } else if (verdict.label == KeypointLabel::kDynamic &&
+                 (misfit.Within(kElsewhere) || IsThereToo(pairs[i], frame, witness, motions[m]))) {
+        verdict.label = KeypointLabel::kNone;
+      }
+    }
+  }
+  return verdicts;
+}
+
+// Whether those beside a dynamic one on the same thing say the same.
+bool IsConfirmed(std::span<const Pair> pairs, std::span<const Verdict> verdicts, std::size_t i,
+                 const FrameData& frame) {
+  const Keypoint& here = frame.keypoints()[pairs[i].here];
+  const double reach_px = kNeighborhood * frame.camera().width;
+  const double alike_px = std::max(kAlikeShift_px, kAlikeShift * verdicts[i].shift_px.norm());
+  int alike = 0;
+  int following = 0;
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    const Keypoint& beside = frame.keypoints()[pairs[k].here];
+    if (k == i || (beside.Pixel() - here.Pixel()).norm() > reach_px ||
+        !SameSurface(here.depth_m, beside.depth_m, kSameThing)) {
+      continue;
+    }
+    following += verdicts[k].label == KeypointLabel::kStatic ? 1 : 0;
+    alike +=
+        verdicts[k].label == KeypointLabel::kDynamic && (verdicts[k].shift_px - verdicts[i].shift_px).norm() < alike_px
+            ? 1
+            : 0;
+  }
+  return alike >= kLeastAlike && alike > following;
 }
 
 }  // namespace
 
 std::optional<MotionSegmentation> SegmentByMotion(const FrameData& frame, std::span<const KeypointLabel> known,
-                                                  const FrameData& witness,
-                                                  const std::optional<Rigid3>& witness_from_frame,
+                                                  const FrameData& witness, const std::optional<Rigid3>& expected,
                                                   const ScalePyramid& pyramid) {
   Check(known.empty() || known.size() == frame.size(), "a label for each keypoint");
   const std::vector<Pair> pairs = FindPairs(frame, known, witness, pyramid);
@@ -227,95 +284,31 @@ std::optional<MotionSegmentation> SegmentByMotion(const FrameData& frame, std::s
   if (!motion) {
     return std::nullopt;
   }
-  const Eigen::Matrix3d rotation = motion->RotationMatrix();
-  std::vector<Misfit> misfits;
-  std::vector<KeypointLabel> verdicts(pairs.size(), KeypointLabel::kNone);
+  MotionSegmentation result;
+  std::vector<Rigid3> motions = {*motion};
+  if (expected) {
+    result.contradicts = Score(pairs, witness, *motion) - Score(pairs, witness, *expected) > kContradiction;
+    if (!result.contradicts) {
+      motions.push_back(*expected);  // of all that is known, and so the better one
+    }
+  }
+  const std::vector<Verdict> verdicts = Judge(pairs, frame, witness, motions);
   double area = 0;
   double following = 0;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
-    misfits.push_back(Measure(pairs[i], witness, rotation, motion->translation));
     area += pairs[i].area;
-    if (misfits[i].Within(3, 4)) {
-      verdicts[i] = KeypointLabel::kStatic;
-      following += pairs[i].area;
-    } else if (!misfits[i].Within(5, 8) && !IsThereToo(pairs[i], frame, witness, *motion)) {
-      verdicts[i] = KeypointLabel::kDynamic;
-    }
+    following += verdicts[i].label == KeypointLabel::kStatic ? pairs[i].area : 0;
   }
-  MotionSegmentation result{std::vector<KeypointLabel>(frame.size(), KeypointLabel::kNone), *motion, following / area, 0, 0,
-                            static_cast<int>(pairs.size())};
-  if (witness_from_frame) {
-    result.expected_share = Score(pairs, witness, *witness_from_frame);
-    result.score = Score(pairs, witness, *motion);
-  }
-  if (result.share < kLeastShare) {
+  if (following < kLeastShare * area) {
     return std::nullopt;
   }
-  const double reach_px = kNeighborhood * frame.camera().width;
+  result.labels.assign(frame.size(), KeypointLabel::kNone);
   for (std::size_t i = 0; i < pairs.size(); ++i) {
-    const Keypoint& here = frame.keypoints()[pairs[i].here];
-    if (verdicts[i] == KeypointLabel::kDynamic) {
-      int alike = 0;
-      int following_beside = 0;
-      for (std::size_t k = 0; k < pairs.size(); ++k) {
-        const Keypoint& beside = frame.keypoints()[pairs[k].here];
-        if (k == i || (beside.Pixel() - here.Pixel()).norm() > reach_px ||
-            !SameSurface(here.depth_m, beside.depth_m, kSameThing)) {
-          continue;
-        }
-        following_beside += verdicts[k] == KeypointLabel::kStatic ? 1 : 0;
-        const double difference_px = (misfits[k].shift_px - misfits[i].shift_px).norm();
-        alike += verdicts[k] == KeypointLabel::kDynamic &&
-                         difference_px < std::max(4.0, 0.25 * misfits[i].shift_px.norm())
-                     ? 1
-                     : 0;
-      }
-      if (alike < kLeastAlike || alike <= following_beside) {
-        continue;
-      }
+    if (verdicts[i].label != KeypointLabel::kDynamic || IsConfirmed(pairs, verdicts, i, frame)) {
+      result.labels[pairs[i].here] = verdicts[i].label;
     }
-    result.labels[pairs[i].here] = verdicts[i];
   }
   return result;
-}
-
-std::vector<Relabeling> PlanRelabeling(const Map& map, FrameId frame, FrameId witness) {
-  const Keyframe* const judged = map.FindByFrame(frame);
-  if (judged == nullptr || !judged->IsLabeled()) {
-    return {};
-  }
-  std::vector<Relabeling> relabelings;
-  const auto& ids = map.keyframes();
-  for (auto id = std::ranges::lower_bound(ids, judged->id); id != ids.begin();) {
-    const Keyframe& earlier = map.At(*--id);
-    if (earlier.frame <= witness || earlier.world != judged->world) {
-      break;
-    }
-    if (!earlier.IsLabeled()) {
-      continue;
-    }
-    std::vector<KeypointLabel> seeds(earlier.points.size(), KeypointLabel::kNone);
-    for (std::size_t i = 0; i < seeds.size(); ++i) {
-      if (earlier.points[i].valid()) {
-        const std::vector<Observation>& seen = map.At(earlier.points[i]).observations;
-        const auto there = std::ranges::find(seen, judged->id, &Observation::keyframe);
-        seeds[i] = there != seen.end() ? judged->labels[there->keypoint] : KeypointLabel::kNone;
-      }
-    }
-    relabelings.push_back({earlier.id, earlier.data, std::move(seeds), earlier.labels});
-  }
-  return relabelings;
-}
-
-std::vector<KeypointLabel> Relabel(const Relabeling& relabeling) {
-  const FrameData& data = *relabeling.data;
-  Image8 mask(data.camera().width, data.camera().height, 1, kUnsurePixel);
-  DrawSurfaces(data, relabeling.seeds, mask);
-  std::vector<KeypointLabel> labels = LabelKeypoints(data, mask);
-  for (std::size_t i = 0; i < labels.size(); ++i) {
-    labels[i] = labels[i] == KeypointLabel::kDynamic ? labels[i] : relabeling.labels[i];
-  }
-  return labels;
 }
 
 void DrawSurfaces(const FrameData& data, std::span<const KeypointLabel> labels, Image8& mask) {
@@ -336,10 +329,8 @@ void DrawSurfaces(const FrameData& data, std::span<const KeypointLabel> labels, 
     }
     samples[*sample] = labels[i];
   }
-  SurfaceLabelOptions options;
-  options.max_dynamic_distance_px = 100;
-  options.max_static_distance_px = 100;
-  SurfaceLabels surfaces(options);
+  constexpr int kReach_px = 100;
+  SurfaceLabels surfaces({.max_dynamic_distance_px = kReach_px, .max_static_distance_px = kReach_px});
   surfaces.Start(grid);
   surfaces.Add(std::span<const KeypointLabel>(samples));
   surfaces.Spread();

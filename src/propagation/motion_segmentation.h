@@ -2,28 +2,20 @@
 // What moves by itself, told from two views without any network: two-view motion segmentation.
 #pragma once
 
-#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include "base/image.h"
 #include "feature/frame_data.h"
-#include "map/correction.h"
-#include "map/map.h"
+#include "map/keyframe.h"
 
 namespace rds {
 
 // What the motion of most of the picture says of a frame's keypoints.
 struct MotionSegmentation {
   std::vector<KeypointLabel> labels;  // static: follows it; dynamic: moves otherwise; none: cannot be told
-  Rigid3 witness_from_frame;          // that motion
-  double share = 0;                   // of the area with matches, what follows it
-  double score = 0, expected_share = 0;          // what follows the motion that was expected
-  int matches = 0;
-
-  // Whether the picture says that the expected motion is that of something else.
-  [[nodiscard]] bool Contradicts() const { return score - expected_share > 0.15; }
+  bool contradicts = false;           // that motion is not the expected one, which is then that of something else
 };
 
 // Finds the rigid motion between two views that most of the picture follows, and what moves otherwise. Keypoints are
@@ -37,22 +29,11 @@ struct MotionSegmentation {
 [[nodiscard]] std::optional<MotionSegmentation> SegmentByMotion(const FrameData& frame,
                                                                 std::span<const KeypointLabel> known,
                                                                 const FrameData& witness,
-                                                                const std::optional<Rigid3>& witness_from_frame,
+                                                                const std::optional<Rigid3>& expected,
                                                                 const ScalePyramid& pyramid);
 
-// Labels of keyframes before one that was seen to be led astray, after its witness: dynamic on the surfaces whose points
-// are dynamic in that one. They have judged them by themselves when these had moved too little to tell.
-struct Relabeling {
-  KeyframeId keyframe;
-  std::shared_ptr<const FrameData> data;
-  std::vector<KeypointLabel> seeds;   // what the other keyframe says of the points that both see
-  std::vector<KeypointLabel> labels;  // as they are
-};
-[[nodiscard]] std::vector<Relabeling> PlanRelabeling(const Map& map, FrameId frame, FrameId witness);
-[[nodiscard]] std::vector<KeypointLabel> Relabel(const Relabeling& relabeling);
-
-// Writes labels of keypoints into a mask of the recorded image's size, along the surfaces that they lie on: dynamic over
-// everything, static over what is unsure.
+// Writes labels of keypoints into a mask of the recorded image's size, along the surfaces that they lie on: dynamic
+// over everything, static over what is unsure.
 void DrawSurfaces(const FrameData& data, std::span<const KeypointLabel> labels, Image8& mask);
 
 }  // namespace rds

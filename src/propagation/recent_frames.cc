@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "propagation/recent_frames.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <utility>
 
 namespace rds {
@@ -22,24 +22,33 @@ void RecentFrames::Add(Entry entry) {
   }
 }
 
-std::vector<RecentFrames::Entry> RecentFrames::Witnesses(double timestamp_s, std::span<const FrameId> preferred) const {
+std::vector<RecentFrames::Entry> RecentFrames::Witnesses(double timestamp_s,
+                                                         const std::function<bool(FrameId)>& preferred) const {
+  std::vector<std::uint8_t> is_preferred;
+  for (const Entry& entry : entries_) {
+    is_preferred.push_back(preferred(entry.frame) ? 1 : 0);
+  }
+  // Nothing if there is none near enough.
+  const auto nearest = [&](double wanted_s, double tolerance_s) -> const Entry* {
+    const Entry* best = nullptr;
+    double least_s = 2 * tolerance_s;
+    for (std::size_t i = 0; i < entries_.size(); ++i) {
+      const double off_s = std::abs(entries_[i].timestamp_s - wanted_s);
+      if (const double counted_s = off_s + (is_preferred[i] != 0 ? 0 : tolerance_s);
+          off_s <= tolerance_s && counted_s < least_s) {
+        least_s = counted_s;
+        best = &entries_[i];
+      }
+    }
+    return best;
+  };
   std::vector<Entry> witnesses;
   for (const double share : kDistances) {
     const double apart_s = share * kWitness_s;
-    const auto off_s = [&](const Entry& entry, double wanted_s) {
-      return std::abs(entry.timestamp_s - wanted_s) +
-             (std::ranges::binary_search(preferred, entry.frame) ? 0 : kTolerance * apart_s);
-    };
-    for (const double wanted_s : {timestamp_s - apart_s, timestamp_s + apart_s}) {
-      const auto nearest =
-          std::ranges::min_element(entries_, {}, [&](const Entry& entry) { return off_s(entry, wanted_s); });
-      if (nearest == entries_.end() || std::abs(nearest->timestamp_s - wanted_s) > 1.01 * kTolerance * apart_s) {
-        continue;
-      }
-      if (witnesses.empty() || witnesses.back().frame != nearest->frame) {
-        witnesses.push_back(*nearest);
-      }
-      break;
+    const Entry* found = nearest(timestamp_s - apart_s, kTolerance * apart_s);
+    found = found != nullptr ? found : nearest(timestamp_s + apart_s, kTolerance * apart_s);
+    if (found != nullptr && (witnesses.empty() || witnesses.back().frame != found->frame)) {
+      witnesses.push_back(*found);
     }
   }
   return witnesses;

@@ -3,8 +3,8 @@
 #pragma once
 
 #include <deque>
+#include <functional>
 #include <memory>
-#include <span>
 #include <vector>
 
 #include "base/ids.h"
@@ -26,8 +26,8 @@ class RecentFrames {
   // Timestamps ascend.
   void Add(Entry entry);
   // Frames to compare that of a timestamp with, the farthest first, about kWitness_s away and less: earlier ones, or
-  // where they do not reach as far, later ones; of several those that are `preferred` (ascending).
-  [[nodiscard]] std::vector<Entry> Witnesses(double timestamp_s, std::span<const FrameId> preferred) const;
+  // where they do not reach as far, later ones; those that are `preferred` rather than others.
+  [[nodiscard]] std::vector<Entry> Witnesses(double timestamp_s, const std::function<bool(FrameId)>& preferred) const;
 
  private:
   std::deque<Entry> entries_;

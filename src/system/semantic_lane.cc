@@ -11,7 +11,6 @@
 #include "base/time.h"
 #include "propagation/keyframe_labels.h"
 #include "propagation/mask_completion.h"
-#include "propagation/motion_segmentation.h"
 #include "segmentation/mask.h"
 #include "semantic/keypoint_labels.h"
 #include "semantic/semantic_optimizer.h"
@@ -21,7 +20,9 @@ namespace rds {
 SemanticLane::SemanticLane(const Options& options, std::shared_ptr<Segmenter> segmenter, Backend& backend)
     : options_(options.semantic),
       pyramid_(options.orb.levels, options.orb.scale_factor),
-      pose_options_(options.pose), segmenter_(std::move(segmenter)), backend_(backend) {}
+      pose_options_(options.pose),
+      segmenter_(std::move(segmenter)),
+      backend_(backend) {}
 
 LabeledRound SemanticLane::Segment(std::vector<BacklogItem> items) {
   LabeledRound round;
@@ -42,7 +43,7 @@ LabeledRound SemanticLane::Segment(std::vector<BacklogItem> items) {
   round.segmentation_ms = watch.Milliseconds();
   watch.Restart();
   round.masks.resize(round.items.size());
-  round.motions.resize(round.items.size());
+  round.astray.resize(round.items.size());
   for (std::size_t i = 0; i < round.items.size(); ++i) {
     Image8& mask = round.masks[i];
     if (mask.empty()) {
@@ -60,7 +61,11 @@ LabeledRound SemanticLane::Segment(std::vector<BacklogItem> items) {
       mask = {};
     } else {
       CompleteMask(round.items[i].data->depth_grid(), options_.completion_step_ratio, mask);
-      round.motions[i] = AddMotion(round.items[i], mask);
+      if (options_.motion) {
+        const BacklogItem& item = round.items[i];
+        round.astray[i] = MarkMoving(backend_, recent_.Read([](const RecentFrames& recent) { return recent; }),
+                                     {item.frame, item.timestamp_s, item.data}, pyramid_, mask);
+      }
       mask = Dilate(mask, DilationRadius(image.width, options_.dilation_px));
     }
     round.items[i].image.reset();  // used up
@@ -73,60 +78,6 @@ void SemanticLane::Remember(RecentFrames::Entry frame) {
   if (options_.motion && HasSegmenter()) {
     recent_.Write([&](RecentFrames& recent) { recent.Add(std::move(frame)); });
   }
-}
-
-std::optional<JudgedMotion> SemanticLane::AddMotion(const BacklogItem& item, Image8& mask) const {
-  if (!options_.motion) {
-    return std::nullopt;
-  }
-  const auto keyframes = backend_.Read([&](const Map& map) {
-    std::vector<FrameId> frames;
-    for (const KeyframeId id : map.keyframes()) {
-      frames.push_back(map.At(id).frame);
-    }
-    return frames;
-  });
-  const auto witnesses =
-      recent_.Read([&](const RecentFrames& recent) { return recent.Witnesses(item.timestamp_s, keyframes); });
-  const std::vector<KeypointLabel> known = LabelKeypoints(*item.data, mask);
-  for (const auto& witness : witnesses) {
-    const auto expected = backend_.Read([&](const Map& map) -> std::optional<Rigid3> {
-      const Keyframe* const keyframe = map.FindByFrame(item.frame);
-      const Keyframe* const other = map.FindByFrame(witness.frame);
-      return keyframe != nullptr && other != nullptr && keyframe->world == other->world
-                 ? std::optional(other->camera_from_world * keyframe->camera_from_world.Inverse())
-                 : std::nullopt;
-    });
-    if (const auto segmented = SegmentByMotion(*item.data, known, *witness.data, expected, pyramid_)) {
-      DrawSurfaces(*item.data, segmented->labels, mask);
-      if (getenv("RDS_DBG")) {
-        int n[3] = {};
-        for (auto l : segmented->labels) ++n[(int)l];
-        auto d = expected ? (segmented->witness_from_frame * expected->Inverse()).translation.norm() : -1;
-        fprintf(stderr, "motion frame %u witness %u matches %d share %.2f exp %.2f (off %.3f) static %d dyn %d mask %.3f\n",
-                item.frame.value, witness.frame.value, segmented->matches, segmented->share, segmented->expected_share-segmented->score, d, n[1], n[2],
-                (double)std::ranges::count(mask.data, kDynamicPixel) / mask.data.size());
-      }
-      return segmented->Contradicts()
-                 ? std::optional(JudgedMotion{item.frame, witness.frame, segmented->witness_from_frame})
-                 : std::nullopt;
-    }
-  }
-  return std::nullopt;
-}
-
-void SemanticLane::Reconsider(const JudgedMotion& motion) {
-  const auto relabelings =
-      backend_.Read([&](const Map& map) { return PlanRelabeling(map, motion.frame, motion.witness); });
-  for (const Relabeling& relabeling : relabelings) {
-    std::vector<KeypointLabel> labels = Relabel(relabeling);
-    backend_.Write([&](Map& map) {
-      if (map.Find(relabeling.keyframe) != nullptr) {
-        map.Label(relabeling.keyframe, std::move(labels), true);
-      }
-    });
-  }
-  OptimizeFrom(motion.witness);
 }
 
 void SemanticLane::WarnOfSegmentation(const std::string& text) {
@@ -147,15 +98,20 @@ void SemanticLane::Apply(const LabeledRound& round) {
       if (round.items[i].from_front) {
         fronts.push_back(events.size());
       }
-      events.push_back(ApplyMask(round.items[i], round.masks[i], round.motions[i].has_value()));
+      events.push_back(ApplyMask(round.items[i], round.masks[i], round.astray[i].has_value()));
       events.back().segmentation_ms = round.segmentation_ms;
       events.back().mask_ms = round.mask_ms;
     }
   }
+  for (const std::optional<LedAstray>& astray : round.astray) {
+    if (astray) {
+      LabelAgain(backend_, *astray);
+    }
+  }
   if (options_.optimizer.enabled) {
-    for (const auto& motion : round.motions) {
-      if (motion) {
-        Reconsider(*motion);
+    for (const std::optional<LedAstray>& astray : round.astray) {
+      if (astray) {
+        OptimizeFrom(astray->witness);
       }
     }
     for (const std::size_t front : fronts) {

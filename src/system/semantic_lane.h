@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "propagation/free_space.h"
+#include "propagation/motion_labels.h"
 #include "propagation/recent_frames.h"
 #include "runtime/guarded.h"
 #include "runtime/published.h"
@@ -19,18 +20,11 @@
 
 namespace rds {
 
-// The motion of most of the picture between a frame and an earlier or later one.
-struct JudgedMotion {
-  FrameId frame;
-  FrameId witness;
-  Rigid3 witness_from_frame;
-};
-
 // Masks of one round, dilated; empty = unusable.
 struct LabeledRound {
   std::vector<BacklogItem> items;
-  std::vector<Image8> masks;  // one for each item
-  std::vector<std::optional<JudgedMotion>> motions;  // one for each item; those that contradict
+  std::vector<Image8> masks;                     // one for each item
+  std::vector<std::optional<LedAstray>> astray;  // one for each item
   double segmentation_ms = 0;
   double mask_ms = 0;
   int failures = 0;  // keyframes without a usable mask
@@ -78,10 +72,6 @@ class SemanticLane {
   };
 
   void PublishAnswer(const BacklogItem& item, const std::vector<KeypointLabel>& labels);
-  // Makes dynamic what moves otherwise than most of the picture.
-  [[nodiscard]] std::optional<JudgedMotion> AddMotion(const BacklogItem& item, Image8& mask) const;
-  // Labels the keyframes before one that was led astray again, and corrects their poses.
-  void Reconsider(const JudgedMotion& motion);
   // Logs the first few, and that there are more.
   void WarnOfSegmentation(const std::string& text);
   // Publishes the newest labeled views.

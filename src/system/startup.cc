@@ -43,7 +43,7 @@ bool Startup::IsFinal(FrontEnd& front_end) {
     return true;
   }
   IncomingFrame& first = frames_[begin_];
-  if (!asked_again_ && frames_.back().timestamp_s - first.timestamp_s >= RecentFrames::kWitness_s) {
+  if (!asked_again_ && (weak_ || frames_.back().timestamp_s - first.timestamp_s >= RecentFrames::kWitness_s)) {
     asked_again_ = true;
     front_end.AskForLabel(first, true);
     first.image.reset();  // as its keyframe it is not to be labeled once more
@@ -137,6 +137,7 @@ void Startup::Keep(const IncomingFrame& frame, const TrackOutcome& outcome, Fron
   ++waited_;
   // A lost frame is not weak: the map cannot grow by it, and it may be the label that took its points away.
   const bool weak = frames_.size() > 1 && outcome.tracked && std::ssize(outcome.used) < kWeakMatches;
+  weak_ = weak || !outcome.tracked;
   const int most = AwaitsBetter() ? most_frames_ + kMostVoid : most_frames_;
   // If a label came while this frame was tracked, all are tracked again before the next one.
   waiting_ = HasUsableLabel(front_end) || (!weak && waited_ < most);

@@ -54,6 +54,7 @@ class Startup {
   FrameId asked_;                      // that one: its label is awaited
   bool asked_again_ = false;           // for what has moved since
   int waited_again_ = 0;               // frames
+  bool weak_ = false;                  // the last frame can hardly be tracked any more
   bool ask_ = false;                   // its label leaves nothing: the next frame's is wanted
   int waited_ = 0;                     // frames
   int lost_waiting_ = 0;               // frames on end

@@ -221,8 +221,8 @@ TrackOutcome Tracker::Tracked(PoseEstimate estimate, const WorkerStatus& status,
   TrackOutcome outcome;
   outcome.tracked = true;
   outcome.camera_from_world = current_.camera_from_world;
-  // What moves may have made an old keyframe the reference, from which the pose is then wrong: what comes later corrects
-  // the new ones.
+  // What moves may have made an old keyframe the reference, from which the pose is then wrong: what comes later
+  // corrects the new ones.
   const LocalKeyframe& newest = map_->keyframes.back();
   outcome.reference = newest.id;
   outcome.camera_from_reference = current_.camera_from_world * newest.camera_from_world.Inverse();
