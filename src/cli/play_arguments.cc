@@ -52,7 +52,8 @@ void AddPlayArguments(CLI::App& command, PlayArguments& arguments, const std::st
       ->type_name("A:B");
   command
       .add_option("--segmenter", arguments.segmenter,
-                  "Who finds the people: openvino (a network), stored (the sequence's own masks), none; default " +
+                  "Who tells what moves: openvino (a network, people), stored (the sequence's own masks), geometry "
+                  "(no network: what moves otherwise than most of the picture), none; default " +
                       default_segmenter)
       ->type_name("NAME");
   command
@@ -92,6 +93,9 @@ std::unique_ptr<Segmenter> OpenSegmenter(const PlayArguments& arguments, const P
     if (!frame.mask_path.empty()) {
       masks.push_back({frame.timestamp_s, frame.mask_path.string()});
     }
+  }
+  if (arguments.segmenter == "geometry" && !setup.options.semantic.motion) {
+    throw InputError("--segmenter geometry needs option semantic.motion: without it nothing is told from geometry");
   }
   SegmenterOptions options = setup.options.segmenter;
   if (setup.options.system.lockstep) {

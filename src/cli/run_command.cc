@@ -33,6 +33,7 @@
 #include "io/options_yaml.h"
 #include "io/trajectory_io.h"
 #include "io/video.h"
+#include "system/confidence_watch.h"
 
 namespace rds {
 namespace {

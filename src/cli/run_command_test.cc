@@ -310,6 +310,9 @@ TEST_F(RunCommandTest, ErrorsComeBeforeTheWork) {
               HasSubstr("/proc/nowhere"));
   EXPECT_THAT(ErrorOf({"run", sequence_.string(), "--out", out_.string(), "--segmenter", "storred"}),
               HasSubstr("stored"));
+  EXPECT_THAT(ErrorOf({"run", sequence_.string(), "--out", out_.string(), "--segmenter", "geometry", "--set",
+                       "semantic.motion=false"}),
+              HasSubstr("semantic.motion"));
 }
 
 TEST_F(RunCommandTest, BenchPrintsTheRatio) {

@@ -11,6 +11,7 @@
 #include "cli/run_identity.h"
 #include "cli/series_json.h"
 #include "eval/statistics.h"
+#include "system/confidence_watch.h"
 
 namespace rds {
 namespace {

@@ -35,8 +35,7 @@ struct RunDescription {
 // The frame from which on tracking was lost to the end, if it was: its place among those processed.
 [[nodiscard]] std::optional<std::size_t> LostForGoodSince(const std::vector<FrameResult>& frames);
 
-// Frames tracked whose pose explains less of the depth image than this.
-inline constexpr double kUnexplained = 0.5;
+// Frames tracked whose pose is in doubt (kUnexplained).
 [[nodiscard]] std::ptrdiff_t UnexplainedFrames(const std::vector<FrameResult>& frames);
 
 // Frames begun later than that after they were due are late, in milliseconds.

@@ -46,7 +46,7 @@ TEST(MapEvidence, NeverCountsTheSameEvidenceTwice) {
   const PointId point = scene.Add(scene.a, 0);
   const Labels labels = {kStatic, kStatic, kStatic, kStatic};
   scene.map.Label(scene.a, labels);
-  EXPECT_THROW(scene.map.Label(scene.a, labels), InvariantError);
+  scene.map.Label(scene.a, labels);
   EXPECT_NEAR(scene.Get(point), 0.1, 1e-6);
 }
 
@@ -123,6 +123,31 @@ TEST(MapEvidence, ALabelThatIsSeenForgottenAndSeenAgainCountsOnce) {
     ASSERT_TRUE(scene.map.Observe(point, scene.b, 3));  // another keypoint, another label
     EXPECT_LT(scene.Get(point), before);
   }
+}
+
+TEST(MapEvidence, ALaterLabelOfAKeyframeTakesThePlaceOfTheFirst) {
+  Scene scene;
+  const PointId point = scene.Add(scene.a, 0);
+  scene.map.Label(scene.a, {kStatic, kNone, kNone, kNone});
+  EXPECT_NEAR(scene.Get(point), 0.1, 1e-6);
+  scene.map.Label(scene.a, {kDynamic, kNone, kNone, kNone});
+  EXPECT_NEAR(scene.Get(point), 0.9, 1e-6);
+  scene.map.Label(scene.a, {kNone, kNone, kNone, kNone});
+  EXPECT_NEAR(scene.Get(point), kUnknownProbability, 1e-6);
+  EXPECT_THROW(scene.map.Label(scene.a, {kNone}), InvariantError);
+}
+
+TEST(MapEvidence, WhatWasSeenToMoveIsDynamicWhateverWasSaidBefore) {
+  Scene scene;
+  const PointId point = scene.Add(scene.a, 0);
+  const PointId other = scene.Add(scene.a, 1);
+  scene.map.SetMovingProbability(point, MovingProbabilityOptions().floor);
+  scene.map.SetMovingProbability(other, 0.1);
+  scene.map.Label(scene.a, {kDynamic, kStatic, kNone, kNone}, true);
+  EXPECT_GT(scene.Get(point), MovingProbabilityOptions().dynamic_above);
+  EXPECT_NEAR(scene.Get(other), 0.01 / (0.01 + 0.81), 0.02);  // static ones count once
+  scene.map.Label(scene.a, {kNone, kNone, kNone, kNone});
+  EXPECT_NEAR(scene.Get(point), MovingProbabilityOptions().floor, 1e-4);
 }
 
 TEST(MapEvidence, AMaskSpeaksOnceOfPointsThatAreFused) {

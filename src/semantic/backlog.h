@@ -20,8 +20,8 @@ struct BacklogItem {
   double timestamp_s = 0;
   std::shared_ptr<const Image8> image;
   std::shared_ptr<const FrameData> data;
-  bool again = false;       // labeled before, without frames to compare it with; there are some now
   bool from_front = false;  // set by Select: goes on to the semantic-based optimization
+  bool again = false;       // labeled before, without frames to compare it with; there are some now
 };
 
 // Holds the images of unlabeled keyframes, at most `capacity`. Every item leaves it once: selected, or dropped when

@@ -36,8 +36,8 @@ struct View {
   }
 
   [[nodiscard]] bool IsMover(std::uint16_t surface) const {
-    return surface != VisibilityBuffer::kNothing && surface >= quads.size() &&
-           scene.capsules[surface - quads.size()].is_mover;
+    return surface != VisibilityBuffer::kNothing &&
+           (surface < quads.size() ? scene.quads[surface].is_mover : scene.capsules[surface - quads.size()].is_mover);
   }
 };
 

@@ -20,6 +20,7 @@ struct Quad {
   double width = 0;
   double height = 0;
   std::shared_ptr<const Texture> texture;
+  bool is_mover = false;
 
   [[nodiscard]] Eigen::Vector3d Normal() const { return down.cross(right); }
 };

@@ -9,11 +9,12 @@
 namespace rds {
 namespace {
 
-constexpr std::array<std::pair<SyntheticScenario, std::string_view>, 5> kScenarios{{
+constexpr std::array<std::pair<SyntheticScenario, std::string_view>, 6> kScenarios{{
     {SyntheticScenario::kStatic, "static"},
     {SyntheticScenario::kWalking, "walking"},
     {SyntheticScenario::kSitting, "sitting"},
     {SyntheticScenario::kCrowd, "crowd"},
+    {SyntheticScenario::kCarried, "carried"},
     {SyntheticScenario::kCrossing, "crossing"},
 }};
 
@@ -86,6 +87,7 @@ int ResolveMovers(const SyntheticOptions& options) {
     case SyntheticScenario::kWalking:
       return 3;
     case SyntheticScenario::kStatic:
+    case SyntheticScenario::kCarried:
       return 0;
     case SyntheticScenario::kCrowd:
       return 6;
@@ -112,8 +114,11 @@ void Validate(const SyntheticOptions& options) {
     throw InputError("movers: " + std::to_string(options.movers) + " is out of range (0 to " +
                      std::to_string(kMaxSyntheticMovers) + ")");
   }
-  if (options.scenario == SyntheticScenario::kStatic && options.movers > 0) {
-    throw InputError("movers: the scenario 'static' has none; take another scenario, such as 'walking'");
+  const bool has_people =
+      options.scenario != SyntheticScenario::kStatic && options.scenario != SyntheticScenario::kCarried;
+  if (!has_people && options.movers > 0) {
+    throw InputError("movers: the scenario '" + std::string(NameOf(options.scenario)) +
+                     "' has none; take another scenario, such as 'walking'");
   }
 }
 

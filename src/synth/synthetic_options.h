@@ -16,6 +16,7 @@ enum class SyntheticScenario : std::uint8_t {
   kWalking,   // three people stand and stroll together, about 1 m in front of the camera
   kSitting,   // people sit on chairs and fidget
   kCrowd,     // many: three in four walk, the rest sit
+  kCarried,   // nobody in view, but a printed board is carried before the camera: no network knows it
   kCrossing,  // people cross the view close to the camera, .8 to 1.4 m
 };
 

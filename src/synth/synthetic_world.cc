@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "base/error.h"
 #include "synth/camera_path.h"
+#include "synth/carried_board.h"
 #include "synth/depth_sensor.h"
 #include "synth/mover.h"
 #include "synth/rasterizer.h"
@@ -22,12 +24,17 @@ struct SyntheticWorld::Impl {
         room(synthetic::BuildRoom(options_.seed, std::clamp(640.0 / options_.camera.width, 1.0, 2.5))),
         path(options_.path, options_.seed),
         movers(synthetic::PlanMovers(options_.scenario, ResolveMovers(options_), room, path,
-                                     (options_.frames - 1) / kSyntheticFrameRateHz, options_.seed)) {}
+                                     (options_.frames - 1) / kSyntheticFrameRateHz, options_.seed)) {
+    if (options.scenario == SyntheticScenario::kCarried) {
+      board.emplace(options.seed);
+    }
+  }
 
   SyntheticOptions options;
   synthetic::Room room;
   synthetic::CameraPath path;
   std::vector<synthetic::Mover> movers;
+  std::optional<synthetic::CarriedBoard> board;
 };
 
 SyntheticWorld::SyntheticWorld(const SyntheticOptions& options) {
@@ -57,6 +64,9 @@ SyntheticFrame SyntheticWorld::Render(int index) const {
     std::vector<synthetic::Capsule> body = mover.At(time_s);
     scene.capsules.insert(scene.capsules.end(), std::make_move_iterator(body.begin()),
                           std::make_move_iterator(body.end()));
+  }
+  if (impl_->board) {
+    scene.quads.push_back(impl_->board->At(impl_->path, time_s));
   }
   synthetic::Drawing drawing = synthetic::Draw(scene, camera, frame.world_from_camera.Inverse());
   const bool noise = impl_->options.noise;

@@ -167,12 +167,13 @@ INSTANTIATE_TEST_SUITE_P(Paths, EveryPath,
 
 class EveryScenario : public testing::TestWithParam<SyntheticScenario> {};
 
-// Against the same world without people: everything outside the mask is the same, nearly everything inside differs.
+// Against the same world without movers: everything outside the mask is the same, nearly everything inside differs.
 TEST_P(EveryScenario, MaskCoversExactlyTheMovers) {
   SyntheticOptions options = Small(GetParam(), SyntheticPath::kOrbit);
   options.noise = false;
   const SyntheticWorld with(options);
   options.movers = 0;
+  options.scenario = SyntheticScenario::kStatic;
   const SyntheticWorld without(options);
   double covered = 0;
   for (const int i : {0, 30, 59}) {
@@ -200,7 +201,8 @@ TEST_P(EveryScenario, MaskCoversExactlyTheMovers) {
 
 INSTANTIATE_TEST_SUITE_P(Scenarios, EveryScenario,
                          testing::Values(SyntheticScenario::kWalking, SyntheticScenario::kSitting,
-                                         SyntheticScenario::kCrowd, SyntheticScenario::kCrossing),
+                                         SyntheticScenario::kCrowd, SyntheticScenario::kCarried,
+                                         SyntheticScenario::kCrossing),
                          [](const auto& the) { return std::string(NameOf(the.param)); });
 
 TEST(SyntheticWorld, MoversMove) {

@@ -74,7 +74,7 @@ std::optional<TrackOutcome> FrontEnd::BeginAnew(const IncomingFrame& frame) {
 }
 
 void FrontEnd::AskForLabel(const IncomingFrame& frame, bool again) {
-  executor_.Label({frame.id, frame.timestamp_s, frame.image, frame.data, again, false});
+  executor_.Label({frame.id, frame.timestamp_s, frame.image, frame.data, false, again});
 }
 
 void FrontEnd::Propagate(const IncomingFrame& frame, const TrackOutcome& outcome) {

@@ -220,15 +220,15 @@ TEST(TrajectoryRecorder, PosesFollowTheirKeyframes) {
   Scene scene;
   TrajectoryRecorder recorder;
   TrackOutcome outcome;
-  recorder.Add(0, outcome);  // not tracked, and nothing was before
+  recorder.Add(FrameId{9}, 0, outcome);  // not tracked, and nothing was before
   EXPECT_EQ(recorder.lost(), 0);
   outcome.tracked = true;
-  recorder.Add(1, outcome);  // starts the world
+  recorder.Add(FrameId{10}, 1, outcome);  // starts the world
   recorder.HangLastOn(scene.lanes->mapping.Map(scene.Candidate(0, Truth(0)), kNever));
   outcome.reference = KeyframeId{0};
   outcome.camera_from_reference = Truth(3);
-  recorder.Add(2, outcome);
-  recorder.Add(3, {});
+  recorder.Add(FrameId{11}, 2, outcome);
+  recorder.Add(FrameId{12}, 3, {});
   EXPECT_EQ(recorder.lost(), 1);
   const Rigid3 corrected{Eigen::Quaterniond::Identity(), {0, 0, 5}};
   scene.lanes->backend.Write([&](Map& map) { map.SetPose(KeyframeId{0}, corrected); });
@@ -237,6 +237,38 @@ TEST(TrajectoryRecorder, PosesFollowTheirKeyframes) {
   EXPECT_THAT(trajectory[0].world_from_camera, RigidNear(corrected.Inverse(), 1e-9, 1e-6));
   EXPECT_THAT(trajectory[1].world_from_camera, RigidNear((Truth(3) * corrected).Inverse(), 1e-9, 1e-6));
   EXPECT_EQ(trajectory[1].timestamp_s, 2);
+}
+
+TEST(TrajectoryRecorder, FramesBeforeAKeyframeShareWhatItWasCorrectedBy) {
+  Scene scene;
+  const KeyframeId first = scene.lanes->mapping.Map(scene.Candidate(0, Truth(0)), kNever);
+  const KeyframeId second = scene.lanes->mapping.Map(scene.Candidate(8, Truth(8)), kNever);
+  const auto [start_s, end_s] = scene.lanes->backend.Read(
+      [&](const Map& map) { return std::pair(map.At(first).timestamp_s, map.At(second).timestamp_s); });
+  TrajectoryRecorder recorder;
+  TrackOutcome outcome;
+  outcome.tracked = true;
+  outcome.reference = first;
+  const auto add = [&](std::uint32_t frame, double share) {
+    outcome.camera_from_reference = Rigid3{Eigen::Quaterniond::Identity(), {0, 0, -share}};
+    recorder.Add(FrameId{frame}, start_s + share * (end_s - start_s), outcome);
+  };
+  add(0, 0);
+  add(4, 0.5);
+  add(8, 1);
+  add(9, 1.1);  // tracked before the second one was there to hang on
+  // Both keyframes are put where the tracker did not see them: the second one a meter to the side.
+  scene.lanes->backend.Write([&](Map& map) {
+    map.SetPose(first, {});
+    map.SetPose(second, Rigid3{Eigen::Quaterniond::Identity(), {1, 0, -1}});
+  });
+  const Trajectory trajectory = scene.lanes->backend.Read([&](const Map& map) { return recorder.Resolve(map); });
+  ASSERT_EQ(trajectory.size(), 4U);
+  const auto place = [&](std::size_t i) { return trajectory[i].world_from_camera.translation; };
+  EXPECT_THAT(place(0), MatrixNear(Eigen::Vector3d(0, 0, 0), 1e-9));
+  EXPECT_THAT(place(1), MatrixNear(Eigen::Vector3d(-0.5, 0, 0.5), 1e-9));
+  EXPECT_THAT(place(2), MatrixNear(Eigen::Vector3d(-1, 0, 1), 1e-9));
+  EXPECT_THAT(place(3), MatrixNear(Eigen::Vector3d(-1, 0, 1.1), 1e-9));
 }
 
 }  // namespace

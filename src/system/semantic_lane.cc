@@ -95,10 +95,14 @@ void SemanticLane::Apply(const LabeledRound& round) {
   std::vector<std::size_t> fronts;  // of `events`
   for (std::size_t i = 0; i < round.items.size(); ++i) {
     if (!round.masks[i].empty()) {
+      const LabelEvent event = ApplyMask(round.items[i], round.masks[i], round.astray[i].has_value());
+      if (round.items[i].again) {
+        continue;  // it counts once
+      }
       if (round.items[i].from_front) {
         fronts.push_back(events.size());
       }
-      events.push_back(ApplyMask(round.items[i], round.masks[i], round.astray[i].has_value()));
+      events.push_back(event);
       events.back().segmentation_ms = round.segmentation_ms;
       events.back().mask_ms = round.mask_ms;
     }

@@ -11,6 +11,7 @@
 #include "feature/orb.h"
 #include "geometry/distortion.h"
 #include "runtime/lock_times.h"
+#include "system/confidence_watch.h"
 #include "system/executor.h"
 #include "system/front_end.h"
 #include "system/lanes.h"
@@ -62,6 +63,7 @@ class Slam::Impl {
   std::unique_ptr<Executor> executor_;
   FrontEnd front_end_;
   Startup startup_;
+  ConfidenceWatch confidence_;
   std::uint32_t frames_ = 0;
   std::optional<double> last_timestamp_s_;
   bool finished_ = false;
@@ -114,6 +116,7 @@ FrameResult Slam::Impl::TrackFrame(const RgbdFrame& frame) {
   result.state = outcome.tracked                   ? TrackingState::kTracked
                  : front_end_.trajectory().empty() ? TrackingState::kNotInitialized
                                                    : TrackingState::kLost;
+  confidence_.Add(outcome.confidence, lanes_->semantics.HasSegmenter());
   FillFrameResult(outcome, *incoming.data, *lanes_, options_.system.keep_features, &result);
   return result;
 }

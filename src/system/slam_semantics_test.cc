@@ -61,6 +61,7 @@ TEST(Slam, TheMapGrowsWithTheFirstLabelOrWhenItIsOverdue) {
     Options options = SmallOptions(true);
     options.semantic.lockstep_delay_frames = delay_frames;
     options.semantic.start_frames = start_frames;
+    options.semantic.motion = false;
     options.tracking.policy.min_frames = 0;
     Slam slam(MakeSyntheticCamera(320, 240), options, TrueMasks(frames));
     int alone = 0;
@@ -116,10 +117,11 @@ std::vector<SyntheticFrame> BoardPassing() {
 
 TEST(Slam, FramesBeforeTheFirstLabelAreTrackedAgainWithIt) {
   const std::vector<SyntheticFrame> frames = BoardPassing();
-  const auto run = [&](int start_frames) {
+  const auto run = [&](bool motion) {
     Options options = SmallOptions(true);
     options.semantic.lockstep_delay_frames = 15;
-    options.semantic.start_frames = start_frames;
+    options.semantic.start_frames = 30;
+    options.semantic.motion = motion;
     return RunAll(frames, options, TrueMasks(frames));
   };
   const auto furthest_m = [](const SlamResult& result) {
@@ -129,10 +131,22 @@ TEST(Slam, FramesBeforeTheFirstLabelAreTrackedAgainWithIt) {
     }
     return furthest;
   };
-  const SlamResult again = run(30);
-  EXPECT_EQ(again.tracked_frames, kBoardFrames);
-  EXPECT_LT(furthest_m(again), 0.03);
-  EXPECT_GT(furthest_m(run(0)), 0.1);  // went along with the board, and the map with it
+  for (const bool motion : {false, true}) {
+    const SlamResult again = run(motion);
+    EXPECT_EQ(again.tracked_frames, kBoardFrames);
+    EXPECT_LT(furthest_m(again), 0.03);
+  }
+  // Where nobody waits, tracking goes along with the board until the label comes.
+  Options options = SmallOptions(true);
+  options.semantic.lockstep_delay_frames = 15;
+  options.semantic.start_frames = 0;
+  Slam slam(MakeSyntheticCamera(320, 240), options, TrueMasks(frames));
+  double furthest = 0;
+  for (const SyntheticFrame& frame : std::span(frames).first(15)) {
+    const FrameResult result = slam.Process(frame.rgbd);
+    furthest = std::max(furthest, result.world_from_camera ? result.world_from_camera->translation.norm() : 0);
+  }
+  EXPECT_GT(furthest, 0.1);
 }
 
 // In threads, the first label comes between two frames or at any moment while one is tracked.

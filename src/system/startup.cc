@@ -98,6 +98,9 @@ bool Startup::BeginAnewIfLost(const IncomingFrame& frame, FrontEnd& front_end, T
   if (front_end.trajectory().empty() || tracked_ > kYoung) {
     return false;
   }
+  if (waiting_ && HasUsableLabel(front_end)) {  // all is tracked again soon
+    return false;
+  }
   tracked_ += outcome.tracked ? 1 : 0;
   lost_ = outcome.tracked ? 0 : lost_ + (front_end.CanBeginWith(frame) ? 1 : 0);
   const bool is_lost = lost_ >= std::max(kLeastLost, tracked_);
@@ -151,7 +154,10 @@ void Startup::Keep(const IncomingFrame& frame, const TrackOutcome& outcome, Fron
 }
 
 void Startup::End(FrontEnd& front_end) {
-  if (waiting_ && lost_waiting_ > 0 && AwaitsBetter()) {
+  if (waiting_ && !frames_.empty() && HasUsableLabel(front_end)) {
+    waiting_ = false;
+    TrackAgain(begin_, front_end);
+  } else if (waiting_ && lost_waiting_ > 0 && AwaitsBetter()) {
     waiting_ = false;
     TrackAgain(0, front_end);
   }
