@@ -110,7 +110,9 @@ FrameResult Slam::Impl::TrackFrame(const RgbdFrame& frame) {
   TrackOutcome outcome = front_end_.Track(incoming, front_end_.CurrentLocalMap(), labels);
   result.is_keyframe = startup_.BeginAnewIfLost(incoming, front_end_, outcome) ||
                        (outcome.wants_keyframe && !startup_.HoldsKeyframes() && front_end_.OfferKeyframe(incoming));
-  front_end_.Propagate(incoming, outcome);
+  if (!startup_.HoldsKeyframes()) {  // else poses may follow what moves, and space that they empty is not empty
+    front_end_.Propagate(incoming, outcome);
+  }
   startup_.Keep(incoming, outcome, front_end_);
 
   result.state = outcome.tracked                   ? TrackingState::kTracked

@@ -98,14 +98,16 @@ bool Startup::BeginAnewIfLost(const IncomingFrame& frame, FrontEnd& front_end, T
   if (front_end.trajectory().empty() || tracked_ > kYoung) {
     return false;
   }
-  if (waiting_ && HasUsableLabel(front_end)) {  // all is tracked again soon
-    return false;
-  }
   tracked_ += outcome.tracked ? 1 : 0;
   lost_ = outcome.tracked ? 0 : lost_ + (front_end.CanBeginWith(frame) ? 1 : 0);
   const bool is_lost = lost_ >= std::max(kLeastLost, tracked_);
   const bool is_elsewhere = front_end.LeftOfReference().value_or(1) < kLeastLeft;
   if ((!is_lost && !is_elsewhere) || !front_end.CanBeginWith(frame)) {
+    return false;
+  }
+  if (waiting_ && HasUsableLabel(front_end)) {  // what there was before the lens may be labeled: tracked again first
+    weak_ = asked_again_ = true;
+    waited_again_ = most_frames_;
     return false;
   }
   auto begun = front_end.BeginAnew(frame);
