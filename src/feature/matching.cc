@@ -14,23 +14,24 @@ constexpr float kOtherDepth = 0.2F;  // of the expected one: what is so far off 
 Candidate FindBest(const FrameData& frame, const SearchWindow& window, const Descriptor& descriptor) {
   Candidate best;
   const auto descriptors = frame.descriptors();
-  frame.ForEachInWindow(
-      window.x, window.y, window.radius_px, window.min_octave, window.max_octave, [&](const FrameData::GridItem& item) {
-        if (item.depth_m > 0 && std::abs(window.depth_m - item.depth_m) > kOtherDepth * window.depth_m) {
-          return;
-        }
-        const int distance = HammingDistance(descriptor, descriptors[item.index]);
-        if (distance < best.distance) {
-          best.second_distance = best.distance;
-          best.second_octave = best.octave;
-          best.distance = distance;
-          best.octave = item.octave;
-          best.keypoint = item.index;
-        } else if (distance < best.second_distance) {
-          best.second_distance = distance;
-          best.second_octave = item.octave;
-        }
-      });
+  frame.ForEachInWindow(window.x, window.y, window.radius_px, window.min_octave, window.max_octave,
+                        [&](const FrameData::GridItem& item) {
+                          if (window.depth_m > 0 && item.depth_m > 0 &&
+                              std::abs(window.depth_m - item.depth_m) > kOtherDepth * window.depth_m) {
+                            return;
+                          }
+                          const int distance = HammingDistance(descriptor, descriptors[item.index]);
+                          if (distance < best.distance) {
+                            best.second_distance = best.distance;
+                            best.second_octave = best.octave;
+                            best.distance = distance;
+                            best.octave = item.octave;
+                            best.keypoint = item.index;
+                          } else if (distance < best.second_distance) {
+                            best.second_distance = distance;
+                            best.second_octave = item.octave;
+                          }
+                        });
   return best;
 }
 

@@ -2,209 +2,44 @@
 #include "propagation/motion_segmentation.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <map>
-#include <utility>
 
 #include "base/error.h"
-#include "base/random.h"
-#include "feature/keypoint_observation.h"
 #include "feature/matching.h"
-#include "geometry/alignment.h"
-#include "optim/pose_optimizer.h"
+#include "propagation/motion_comparison.h"
+#include "propagation/motion_hypotheses.h"
 #include "propagation/surface_labels.h"
 #include "segmentation/mask.h"
 
 namespace rds {
 namespace {
 
-constexpr double kMatchRatio = 0.85;  // of the best descriptor distance to the second
 constexpr int kLeastMatches = 60;
-constexpr int kCellsAcross = 16;  // of the image: each counts once, however many matches it has
-constexpr int kMotionTrials = 300;
-constexpr double kLeastShare = 0.5;  // of the matched area that must follow one motion
+constexpr double kLeastShare = 0.5;      // of the matched area that must follow a motion without a rival
+constexpr double kClearly = 1.25;        // times what follows a rival must follow the motion of most
+constexpr double kNothing = 0.02;        // shares of the picture below this
+constexpr double kContradiction = 0.15;  // of the picture, by which more must follow it than the expected one
+constexpr int kThere = 60;               // Hamming distance up to which a keypoint may be the one looked for ...
+constexpr double kThere_px = 6;          // ... within this of the place where it should be, at level 0
+constexpr double kNeighborhood = 0.08;   // of the width of the image
+constexpr float kSameThing = 0.15F;      // difference in depth within it, as a ratio
+constexpr int kLeastAlike = 6;           // neighbors that contradict alike
+constexpr double kAlikeShift_px = 4;     // difference of their shifts ...
+constexpr double kAlikeShift = 0.25;     // ... or this share of them
 
-// Bounds on a misfit, in standard deviations of the position in the image and of the depth. What lies between is not
-// judged.
-constexpr double kCoarse[] = {3, 5};  // an alignment of three noisy depths is coarse
-constexpr double kFollows[] = {3, 4};
-constexpr double kElsewhere[] = {5, 8};
-constexpr double kContradiction = 0.15;  // by which the motion of most must explain more than the expected one
-
-constexpr int kLookAlike = 60;       // Hamming distance up to which a keypoint may be the one that was looked for ...
-constexpr double kLookAlike_px = 6;  // ... within this of the place where it should be, at level 0
-constexpr double kNeighborhood = 0.08;  // of the width of the image
-constexpr float kSameThing = 0.15F;     // difference in depth within it, as a ratio
-constexpr int kLeastAlike = 6;          // neighbors that contradict alike
-constexpr double kAlikeShift_px = 4;    // difference of their shifts ...
-constexpr double kAlikeShift = 0.25;    // ... or this share of them
-
-// A keypoint of the frame with its counterpart in the witness, both with depth.
-struct Pair {
-  std::uint32_t here = 0;
-  std::uint32_t there = 0;
-  Eigen::Vector3d point = Eigen::Vector3d::Zero();  // in the frame's camera
-  Eigen::Vector3d seen = Eigen::Vector3d::Zero();   // in the witness's camera
-  double sigma_px = 1;
-  double sigma_m = 0;
-  int cell = 0;
-  double area = 1;
-};
-
-// How far a pair is from a motion, in standard deviations.
-struct Misfit {
-  double image = 0;
-  double depth = 0;
-  Eigen::Vector2d shift_px = Eigen::Vector2d::Zero();  // from the place where the motion takes it
-
-  [[nodiscard]] bool Within(const double (&bounds)[2]) const { return image < bounds[0] && depth < bounds[1]; }
-};
-
-Misfit Measure(const Pair& pair, const FrameData& witness, const Eigen::Matrix3d& rotation,
-               const Eigen::Vector3d& translation) {
-  constexpr double kNowhere = 1e6;
-  const Eigen::Vector3d moved = rotation * pair.point + translation;
-  if (moved.z() <= 0) {
-    return {kNowhere, kNowhere, Eigen::Vector2d::Constant(kNowhere)};
+// Of several motions that which most of the picture follows; nothing where two have about the same share of it.
+std::optional<Rigid3> MotionOfMost(std::span<const Rigid3> candidates, const FrameData& frame,
+                                   std::span<const KeypointLabel> known, const FrameData& witness,
+                                   const ScalePyramid& pyramid) {
+  Rigid3 best = candidates.front();
+  bool clear = true;
+  for (const Rigid3& rival : candidates.subspan(1)) {
+    const Following shares = CompareMotions(frame, known, witness, rival, best, pyramid);
+    const auto [less, more] = std::minmax(shares.one, shares.other);
+    clear = clear && (more < kNothing || more >= kClearly * less);
+    best = shares.one > shares.other ? rival : best;
   }
-  Misfit misfit;
-  misfit.shift_px = witness.keypoints()[pair.there].Pixel() - witness.camera().Project(moved);
-  misfit.image = misfit.shift_px.norm() / pair.sigma_px;
-  misfit.depth = std::abs(moved.z() - pair.seen.z()) / pair.sigma_m;
-  return misfit;
-}
-
-std::vector<Pair> FindPairs(const FrameData& frame, std::span<const KeypointLabel> known, const FrameData& witness,
-                            const ScalePyramid& pyramid) {
-  std::vector<std::uint32_t> chosen;
-  for (std::uint32_t i = 0; i < frame.size(); ++i) {
-    if (frame.keypoints()[i].HasDepth() && (known.empty() || known[i] != KeypointLabel::kDynamic)) {
-      chosen.push_back(i);
-    }
-  }
-  const double cell_px = static_cast<double>(frame.camera().width) / kCellsAcross;
-  std::vector<Pair> pairs;
-  std::map<int, int> in_cell;
-  for (const Match& match : MatchDescriptors(frame, chosen, witness, kMatchRatio)) {
-    const Keypoint& here = frame.keypoints()[chosen[match.query]];
-    const Keypoint& there = witness.keypoints()[match.keypoint];
-    if (!there.HasDepth()) {
-      continue;
-    }
-    Pair pair;
-    pair.here = chosen[match.query];
-    pair.there = match.keypoint;
-    pair.point = here.PointIn(frame.camera());
-    pair.seen = there.PointIn(witness.camera());
-    pair.sigma_px = static_cast<double>(std::max(pyramid.scale[here.octave], pyramid.scale[there.octave]));
-    pair.sigma_m = std::hypot(here.depth_sigma_m, there.depth_sigma_m);
-    pair.cell = static_cast<int>(here.y / cell_px) * 2 * kCellsAcross + static_cast<int>(here.x / cell_px);
-    ++in_cell[pair.cell];
-    pairs.push_back(pair);
-  }
-  for (Pair& pair : pairs) {
-    pair.area = 1.0 / in_cell[pair.cell];
-  }
-  return pairs;
-}
-
-// Draws pairs so that each cell of the image has the same chance.
-class FairDraw {
- public:
-  explicit FairDraw(std::span<const Pair> pairs) {
-    std::map<int, std::vector<std::uint32_t>> cells;
-    for (std::uint32_t i = 0; i < pairs.size(); ++i) {
-      cells[pairs[i].cell].push_back(i);
-    }
-    for (auto& [cell, members] : cells) {
-      cells_.push_back(std::move(members));
-    }
-  }
-  [[nodiscard]] std::uint32_t operator()(Random& random) const {
-    const auto& members = cells_[random.Index(static_cast<std::uint32_t>(cells_.size()))];
-    return members[random.Index(static_cast<std::uint32_t>(members.size()))];
-  }
-
- private:
-  std::vector<std::vector<std::uint32_t>> cells_;
-};
-
-std::vector<const Pair*> Following(std::span<const Pair> pairs, const FrameData& witness, const Rigid3& motion,
-                                   const double (&bounds)[2]) {
-  const Eigen::Matrix3d rotation = motion.RotationMatrix();
-  std::vector<const Pair*> following;
-  for (const Pair& pair : pairs) {
-    if (Measure(pair, witness, rotation, motion.translation).Within(bounds)) {
-      following.push_back(&pair);
-    }
-  }
-  return following;
-}
-
-template <typename Pairs>
-double Area(const Pairs& pairs) {
-  double area = 0;
-  for (const Pair* pair : pairs) {
-    area += pair->area;
-  }
-  return area;
-}
-
-// How well a motion explains the pairs: 1 where each fits exactly, 0 where none is near.
-double Score(std::span<const Pair> pairs, const FrameData& witness, const Rigid3& motion) {
-  const Eigen::Matrix3d rotation = motion.RotationMatrix();
-  double score = 0;
-  double area = 0;
-  for (const Pair& pair : pairs) {
-    const Misfit misfit = Measure(pair, witness, rotation, motion.translation);
-    const double squared = (misfit.image * misfit.image + misfit.depth * misfit.depth) / (kFollows[0] * kFollows[0]);
-    score += pair.area * std::max(0.0, 1 - squared);
-    area += pair.area;
-  }
-  return score / area;
-}
-
-// The motion that most of the area follows.
-std::optional<Rigid3> MotionOfMost(std::span<const Pair> pairs, const FrameData& witness, const ScalePyramid& pyramid) {
-  const FairDraw draw(pairs);
-  Random random(1);
-  std::optional<Rigid3> best;
-  double most = 0;
-  for (int trial = 0; trial < kMotionTrials; ++trial) {
-    const std::array<std::uint32_t, 3> pick = {draw(random), draw(random), draw(random)};
-    if (pick[0] == pick[1] || pick[1] == pick[2] || pick[0] == pick[2]) {
-      continue;
-    }
-    std::array<Eigen::Vector3d, 3> from;
-    std::array<Eigen::Vector3d, 3> to;
-    for (std::size_t i = 0; i < 3; ++i) {
-      from[i] = pairs[pick[i]].point;
-      to[i] = pairs[pick[i]].seen;
-    }
-    const Rigid3 motion = Align(from, to, false).target_from_source;
-    const double area = Area(Following(pairs, witness, motion, kCoarse));
-    if (area > most) {
-      most = area;
-      best = motion;
-    }
-  }
-  for (const double bound : {3.0, 2.0, 1.5}) {
-    if (!best) {
-      break;
-    }
-    std::vector<PoseObservation> observations;
-    for (const Pair* pair : Following(pairs, witness, *best, {bound, 2 * bound})) {
-      observations.push_back(
-          {pair->point, ObservationOf(witness.keypoints()[pair->there], pyramid, std::sqrt(pair->area))});
-    }
-    const PoseResult result = OptimizePose(witness.camera(), *best, observations);
-    if (!result.converged) {
-      return std::nullopt;
-    }
-    best = result.camera_from_world;
-  }
-  return best;
+  return clear ? std::optional(best) : std::nullopt;
 }
 
 // Whether the witness has a keypoint like this one where the motion takes it.
@@ -217,8 +52,9 @@ bool IsThereToo(const Pair& pair, const FrameData& frame, const FrameData& witne
   SearchWindow window;
   window.x = static_cast<float>(place.x());
   window.y = static_cast<float>(place.y());
-  window.radius_px = static_cast<float>(kLookAlike_px * pair.sigma_px);
-  return FindBest(witness, window, frame.descriptors()[pair.here]).distance < kLookAlike;
+  window.depth_m = static_cast<float>(moved.z());
+  window.radius_px = static_cast<float>(kThere_px * pair.sigma_px);
+  return FindBest(witness, window, frame.descriptors()[pair.here]).distance < kThere;
 }
 
 struct Verdict {
@@ -270,6 +106,16 @@ bool IsConfirmed(std::span<const Pair> pairs, std::span<const Verdict> verdicts,
   return alike >= kLeastAlike && alike > following;
 }
 
+double ShareFollowing(std::span<const Pair> pairs, std::span<const Verdict> verdicts) {
+  double area = 0;
+  double following = 0;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    area += pairs[i].area;
+    following += verdicts[i].label == KeypointLabel::kStatic ? pairs[i].area : 0;
+  }
+  return following / area;
+}
+
 }  // namespace
 
 std::optional<MotionSegmentation> SegmentByMotion(const FrameData& frame, std::span<const KeypointLabel> known,
@@ -280,26 +126,25 @@ std::optional<MotionSegmentation> SegmentByMotion(const FrameData& frame, std::s
   if (std::ssize(pairs) < kLeastMatches) {
     return std::nullopt;
   }
-  const auto motion = MotionOfMost(pairs, witness, pyramid);
-  if (!motion) {
+  const std::vector<Rigid3> candidates = FindMotions(pairs, witness, pyramid);
+  if (candidates.empty()) {
+    return std::nullopt;
+  }
+  const auto best = MotionOfMost(candidates, frame, known, witness, pyramid);
+  if (!best) {
     return std::nullopt;
   }
   MotionSegmentation result;
-  std::vector<Rigid3> motions = {*motion};
+  std::vector<Rigid3> motions = {*best};
   if (expected) {
-    result.contradicts = Score(pairs, witness, *motion) - Score(pairs, witness, *expected) > kContradiction;
+    const Following shares = CompareMotions(frame, known, witness, *best, *expected, pyramid);
+    result.contradicts = shares.one - shares.other > kContradiction;
     if (!result.contradicts) {
       motions.push_back(*expected);  // of all that is known, and so the better one
     }
   }
   const std::vector<Verdict> verdicts = Judge(pairs, frame, witness, motions);
-  double area = 0;
-  double following = 0;
-  for (std::size_t i = 0; i < pairs.size(); ++i) {
-    area += pairs[i].area;
-    following += verdicts[i].label == KeypointLabel::kStatic ? pairs[i].area : 0;
-  }
-  if (following < kLeastShare * area) {
+  if (candidates.size() == 1 && ShareFollowing(pairs, verdicts) < kLeastShare) {
     return std::nullopt;
   }
   result.labels.assign(frame.size(), KeypointLabel::kNone);

@@ -18,14 +18,14 @@ struct MotionSegmentation {
   bool contradicts = false;           // that motion is not the expected one, which is then that of something else
 };
 
-// Finds the rigid motion between two views that most of the picture follows, and what moves otherwise. Keypoints are
-// matched by appearance alone, so that no pose, right or wrong, has a say in it; each match counts by the area of the
-// image that it stands for, so that a thing with many corners does not outvote a plain room; and the views must lie
-// apart, for between neighboring frames a thing and the far wall behind it have a motion in common. A keypoint
-// contradicts if it is far from where that motion takes it, looks unlike what is there, and keypoints beside it say
-// the same. `known`: labels of the frame's keypoints (empty: none); dynamic ones are not asked. Nothing where the views
-// have too little in common. After RANSAC over 3-D to 3-D alignments (Fischler and Bolles 1981; Umeyama 1991); seeded:
-// the same input gives the same labels. Re-entrant.
+// Finds the rigid motion between two views that most of the picture follows, and what moves otherwise. No pose, right
+// or wrong, has a say in it: keypoints are matched by appearance alone (FindMotions). Nor have a thing's many corners:
+// surfaces are counted, not corners (CompareMotions). The views must lie apart, for between neighboring frames a thing
+// and the far wall behind it have a motion in common. A keypoint contradicts if it is far from where that motion takes
+// it, looks unlike what is there, and keypoints beside it say the same. `known`: labels of the frame's keypoints
+// (empty: none); dynamic ones are not asked. `expected`: the motion (witness_from_frame) that the poses say there was.
+// Nothing where the views have too little in common, or where no motion has clearly more of the picture than another.
+// The same input gives the same labels. Re-entrant.
 [[nodiscard]] std::optional<MotionSegmentation> SegmentByMotion(const FrameData& frame,
                                                                 std::span<const KeypointLabel> known,
                                                                 const FrameData& witness,

@@ -4,8 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
+#include "base/error.h"
 #include "base/random.h"
+#include "propagation/motion_comparison.h"
 #include "segmentation/mask.h"
 #include "testing/board.h"
 #include "testing/view.h"
@@ -13,21 +16,22 @@
 namespace rds {
 namespace {
 
-// A room of a few corners behind a thing with many: points in the world, each with a look of its own.
+// A wall of few corners behind a thing with many: points in the world, each with a look of its own.
 class Room {
  public:
   Room(std::uint32_t corners_of_room, std::uint32_t corners_of_thing) : thing_(corners_of_room) {
     Random random(3);
     for (std::uint32_t i = 0; i < corners_of_room; ++i) {
-      Add(random, {random.Uniform(-2, 2), random.Uniform(-1.5, 1.5), random.Uniform(2.5, 4)});
+      Add(random, {random.Uniform(-2, 2), random.Uniform(-1.5, 1.5), kWall_m});
     }
     for (std::uint32_t i = 0; i < corners_of_thing; ++i) {
-      Add(random, {random.Uniform(-0.2, 0.3), random.Uniform(-0.25, 0.25), random.Uniform(1.2, 1.3)});
+      Add(random, {random.Uniform(-kHalf_m, kHalf_m), random.Uniform(-kHalf_m, kHalf_m), kThing_m});
     }
   }
 
   [[nodiscard]] bool IsThing(std::size_t point) const { return point >= thing_; }
   void MoveThing(const Eigen::Vector3d& by) {
+    moved_ += by;
     for (std::size_t i = thing_; i < points_.size(); ++i) {
       points_[i] += by;
     }
@@ -43,16 +47,40 @@ class Room {
       keypoint.depth_m += static_cast<float>(random.Gaussian(0, static_cast<double>(keypoint.depth_sigma_m)));
       keypoints.push_back(keypoint);
     }
-    return std::make_shared<const FrameData>(TestCamera(), std::move(keypoints), looks_);
+    std::erase_if(keypoints, [](const Keypoint& keypoint) { return keypoint.depth_m <= 0; });
+    Check(keypoints.size() == points_.size(), "all points lie before the camera");
+    return std::make_shared<const FrameData>(TestCamera(), std::move(keypoints), looks_, Depth(camera_from_world));
   }
 
  private:
+  static constexpr double kWall_m = 3;
+  static constexpr double kThing_m = 1.25;
+  static constexpr double kHalf_m = 0.25;
+
   void Add(Random& random, const Eigen::Vector3d& point) {
     points_.push_back(point);
     looks_.push_back({random.Bits(), random.Bits(), random.Bits(), random.Bits()});
   }
+  [[nodiscard]] DepthGrid Depth(const Rigid3& camera_from_world) const {
+    const Rigid3 world_from_camera = camera_from_world.Inverse();
+    std::vector<float> depth_m;
+    for (int row = 0; row < kBoardRows; ++row) {
+      for (int column = 0; column < kBoardColumns; ++column) {
+        const Eigen::Vector3d ray =
+            world_from_camera.rotation *
+            TestCamera().Unproject({DepthGrid::MiddlePixel(column), DepthGrid::MiddlePixel(row)}, 1);
+        const auto depth_of = [&](double z) { return (z - world_from_camera.translation.z()) / ray.z(); };
+        const double near_m = depth_of(kThing_m + moved_.z());
+        const Eigen::Vector3d hit = world_from_camera.translation + near_m * ray - moved_;
+        const bool on_thing = std::max(std::abs(hit.x()), std::abs(hit.y())) < kHalf_m && thing_ < points_.size();
+        depth_m.push_back(static_cast<float>(on_thing ? near_m : depth_of(kWall_m)));
+      }
+    }
+    return {kBoardColumns, kBoardRows, std::move(depth_m)};
+  }
 
   std::size_t thing_;
+  Eigen::Vector3d moved_ = Eigen::Vector3d::Zero();
   std::vector<Eigen::Vector3d> points_;
   std::vector<Descriptor> looks_;
 };
@@ -148,6 +176,22 @@ TEST(SegmentByMotion, ViewsWithLittleInCommonSayNothing) {
   const Room other(200, 200);  // other looks
   EXPECT_FALSE(SegmentByMotion(*large.See(kStep, 2), {}, *FrameOf({}), std::nullopt, ScalePyramid()));
   EXPECT_FALSE(SegmentByMotion(*FrameOf({}), {}, *other.See({}, 1), std::nullopt, ScalePyramid()));
+}
+
+TEST(CompareMotions, SurfacesCountNotCorners) {
+  Room room(40, 400);
+  const auto witness = room.See({}, 1);
+  const Eigen::Vector3d moved(0.25, 0, 0.05);
+  room.MoveThing(moved);
+  const auto frame = room.See(kStep, 2);
+  const Rigid3 of_room = kStep.Inverse();
+  const Rigid3 of_thing = Rigid3{Eigen::Quaterniond::Identity(), -moved} * of_room;
+  const Following shares = CompareMotions(*frame, {}, *witness, of_room, of_thing, ScalePyramid());
+  EXPECT_NEAR(shares.other, 0.13, 0.03);  // of the picture, as large as the thing is
+  EXPECT_GT(shares.one, 0.5);
+  const Following none = CompareMotions(*frame, {}, *witness, of_room, of_room, ScalePyramid());
+  EXPECT_EQ(none.one, 0);
+  EXPECT_EQ(none.other, 0);
 }
 
 // A keypoint at a sample of a view of the board.
