@@ -71,8 +71,8 @@ bool AreAlike(const Keypoint& here, const Place& a, const Place& b) {
 
 }  // namespace
 
-Following CompareMotions(const FrameData& frame, std::span<const KeypointLabel> known, const FrameData& witness,
-                         const Rigid3& one, const Rigid3& other, const ScalePyramid& pyramid) {
+MotionShares CompareMotions(const FrameData& frame, std::span<const KeypointLabel> known, const FrameData& witness,
+                            const Rigid3& one, const Rigid3& other, const ScalePyramid& pyramid) {
   if (frame.depth_grid().empty()) {
     return {};
   }
@@ -106,7 +106,7 @@ Following CompareMotions(const FrameData& frame, std::span<const KeypointLabel> 
   surfaces.Start(grid);
   surfaces.Add(std::span<const KeypointLabel>(samples));
   surfaces.Spread();
-  Following shares;
+  MotionShares shares;
   for (const SurfaceLabel& label : surfaces.Labels()) {
     (label.dynamic ? shares.other : shares.one) += label.IsKnown() ? 1.0 / static_cast<double>(grid.size()) : 0;
   }

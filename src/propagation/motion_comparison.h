@@ -11,7 +11,7 @@
 namespace rds {
 
 // Shares of a frame's picture, 0 to 1.
-struct Following {
+struct MotionShares {
   double one = 0;    // follows that motion, and not the other
   double other = 0;  // the other way round
 };
@@ -20,8 +20,8 @@ struct Following {
 // where the other does, stands for the surface that it lies on, up to the next one: a plain wall has few corners, and
 // they are found again less often than those of a thing that is carried along. What has no depth is far. `known`:
 // labels of the keypoints (empty: none); dynamic ones are not asked. Zeros without a depth grid. Re-entrant.
-[[nodiscard]] Following CompareMotions(const FrameData& frame, std::span<const KeypointLabel> known,
-                                       const FrameData& witness, const Rigid3& one, const Rigid3& other,
-                                       const ScalePyramid& pyramid);
+[[nodiscard]] MotionShares CompareMotions(const FrameData& frame, std::span<const KeypointLabel> known,
+                                          const FrameData& witness, const Rigid3& one, const Rigid3& other,
+                                          const ScalePyramid& pyramid);
 
 }  // namespace rds

@@ -34,7 +34,7 @@ std::optional<Rigid3> MotionOfMost(std::span<const Rigid3> candidates, const Fra
   Rigid3 best = candidates.front();
   bool clear = true;
   for (const Rigid3& rival : candidates.subspan(1)) {
-    const Following shares = CompareMotions(frame, known, witness, rival, best, pyramid);
+    const MotionShares shares = CompareMotions(frame, known, witness, rival, best, pyramid);
     const auto [less, more] = std::minmax(shares.one, shares.other);
     clear = clear && (more < kNothing || more >= kClearly * less);
     best = shares.one > shares.other ? rival : best;
@@ -137,7 +137,7 @@ std::optional<MotionSegmentation> SegmentByMotion(const FrameData& frame, std::s
   MotionSegmentation result;
   std::vector<Rigid3> motions = {*best};
   if (expected) {
-    const Following shares = CompareMotions(frame, known, witness, *best, *expected, pyramid);
+    const MotionShares shares = CompareMotions(frame, known, witness, *best, *expected, pyramid);
     result.contradicts = shares.one - shares.other > kContradiction;
     if (!result.contradicts) {
       motions.push_back(*expected);  // of all that is known, and so the better one

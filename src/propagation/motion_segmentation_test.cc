@@ -186,10 +186,10 @@ TEST(CompareMotions, SurfacesCountNotCorners) {
   const auto frame = room.See(kStep, 2);
   const Rigid3 of_room = kStep.Inverse();
   const Rigid3 of_thing = Rigid3{Eigen::Quaterniond::Identity(), -moved} * of_room;
-  const Following shares = CompareMotions(*frame, {}, *witness, of_room, of_thing, ScalePyramid());
+  const MotionShares shares = CompareMotions(*frame, {}, *witness, of_room, of_thing, ScalePyramid());
   EXPECT_NEAR(shares.other, 0.13, 0.03);  // of the picture, as large as the thing is
   EXPECT_GT(shares.one, 0.5);
-  const Following none = CompareMotions(*frame, {}, *witness, of_room, of_room, ScalePyramid());
+  const MotionShares none = CompareMotions(*frame, {}, *witness, of_room, of_room, ScalePyramid());
   EXPECT_EQ(none.one, 0);
   EXPECT_EQ(none.other, 0);
 }
