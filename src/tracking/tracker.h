@@ -29,7 +29,7 @@ struct WorkerStatus {
 struct TrackOutcome {
   bool tracked = false;
   Rigid3 camera_from_world;  // valid if tracked
-  KeyframeId reference;      // the pose hangs on this keyframe; invalid for a frame that starts a world
+  KeyframeId reference;  // the pose hangs on this keyframe, the newest around; invalid for a frame that starts a world
   Rigid3 camera_from_reference;
   // Share of the depth image that the pose explains (ExplainedShare) by the view of the oldest keyframe that looks the
   // same way; with semantics of what is known as static.
