@@ -47,6 +47,9 @@ std::span<const AblationVariant> AblationVariants() {
       AblationVariant{"no free space",
                       "free space is not checked: neither static surfaces nor newly occupied places are labeled by it",
                       {"semantic.free_space=false"}},
+      AblationVariant{"no motion",
+                      "two views are not compared: what moves has to have a name, or to move in",
+                      {"semantic.motion=false"}},
       AblationVariant{
           "one start", "the frames before the first label are not tracked again", {"semantic.start_frames=0"}},
       AblationVariant{"no observation weight",

@@ -10,11 +10,17 @@
 #include "io/ignored_pixels.h"
 #include "io/options_yaml.h"
 #include "segmentation/segmenter_factory.h"
+#include "system/presets.h"
 
 namespace rds {
 
 void AddOptionArguments(CLI::App& command, OptionArguments& arguments) {
-  command.add_option("--config", arguments.config, "YAML file of options (see `rds config`)")->type_name("FILE");
+  command
+      .add_option("--preset", arguments.preset,
+                  "A set of options: paper = what the paper has, without what this system adds")
+      ->type_name("NAME");
+  command.add_option("--config", arguments.config, "YAML file of options, over the preset's (see `rds config`)")
+      ->type_name("FILE");
   command
       .add_option("--set", arguments.set,
                   "One option, over the file's value; may be given several times, for instance --set orb.features=1500")
@@ -25,6 +31,9 @@ void AddOptionArguments(CLI::App& command, OptionArguments& arguments) {
 
 Options ResolveOptions(const OptionArguments& arguments) {
   Options options;
+  if (!arguments.preset.empty()) {
+    ApplyPreset(options, arguments.preset);
+  }
   if (!arguments.config.empty()) {
     ApplyOptionsFile(arguments.config, options);
   }

@@ -17,13 +17,14 @@
 
 namespace rds {
 
-// Where option values come from, weakest first: defaults, a file, --set in their order.
+// Where option values come from, weakest first: defaults, a preset, a file, --set in their order.
 struct OptionArguments {
+  std::string preset;
   std::string config;
   std::vector<std::string> set;
 };
 
-// --config and --set.
+// --preset, --config and --set.
 void AddOptionArguments(CLI::App& command, OptionArguments& arguments);
 // Throws InputError naming file and line, or key and range.
 [[nodiscard]] Options ResolveOptions(const OptionArguments& arguments);

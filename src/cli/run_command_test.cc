@@ -298,6 +298,7 @@ TEST_F(RunCommandTest, BadInputWritesNothing) {
 TEST_F(RunCommandTest, ErrorsComeBeforeTheWork) {
   EXPECT_THAT(ErrorOf(RunWords({"--set", "orb.featurs=5"})), HasSubstr("orb.features"));
   EXPECT_THAT(ErrorOf(RunWords({"--config", "/nowhere.yaml"})), HasSubstr("/nowhere.yaml"));
+  EXPECT_THAT(ErrorOf(RunWords({"--preset", "papers"})), HasSubstr("did you mean 'paper'"));
   EXPECT_THAT(ErrorOf(RunWords({"--frames", "9:5"})), HasSubstr("9:5"));
   for (const char* rate : {"-1", "0.001", "1001", "nan"}) {
     EXPECT_THAT(ErrorOf(RunWords({"--rate", rate})), HasSubstr("--rate")) << rate;

@@ -71,8 +71,7 @@ bool AreAlike(const Keypoint& here, const Place& a, const Place& b) {
 
 }  // namespace
 
-MotionShares CompareMotions(const FrameData& frame, std::span<const KeypointLabel> known, const FrameData& witness,
-                            const Rigid3& one, const Rigid3& other, const ScalePyramid& pyramid) {
+MotionShares ShareSurfaces(const FrameData& frame, std::span<const KeypointLabel> keypoints) {
   if (frame.depth_grid().empty()) {
     return {};
   }
@@ -80,25 +79,12 @@ MotionShares CompareMotions(const FrameData& frame, std::span<const KeypointLabe
   std::ranges::replace(depth_m, 0.0F, kFar_m);
   const DepthGrid grid(frame.depth_grid().columns(), frame.depth_grid().rows(), std::move(depth_m));
   std::vector<KeypointLabel> samples(grid.size(), KeypointLabel::kNone);
-  const Eigen::Matrix3d rotation_one = one.RotationMatrix();
-  const Eigen::Matrix3d rotation_other = other.RotationMatrix();
-  const PinholeCamera& camera = frame.camera();
   for (std::size_t i = 0; i < frame.size(); ++i) {
     const Keypoint& here = frame.keypoints()[i];
     const auto sample = grid.IndexOfPixel(here.raw_x, here.raw_y);
-    if (!sample || (!known.empty() && known[i] == KeypointLabel::kDynamic) ||
-        !SameSurface(here.HasDepth() ? here.depth_m : kFar_m, grid[*sample], kOnSample)) {
-      continue;
-    }
-    const auto a = PlaceOf(here, camera, rotation_one, one.translation, pyramid);
-    const auto b = PlaceOf(here, camera, rotation_other, other.translation, pyramid);
-    if (!a || !b || AreAlike(here, *a, *b)) {
-      continue;
-    }
-    const bool follows_one = IsFound(here, frame.descriptors()[i], *a, witness);
-    const bool follows_other = IsFound(here, frame.descriptors()[i], *b, witness);
-    if (follows_one != follows_other) {
-      samples[*sample] = follows_one ? KeypointLabel::kStatic : KeypointLabel::kDynamic;
+    if (sample && keypoints[i] != KeypointLabel::kNone &&
+        SameSurface(here.HasDepth() ? here.depth_m : kFar_m, grid[*sample], kOnSample)) {
+      samples[*sample] = keypoints[i];
     }
   }
   SurfaceLabels surfaces(
@@ -111,6 +97,31 @@ MotionShares CompareMotions(const FrameData& frame, std::span<const KeypointLabe
     (label.dynamic ? shares.other : shares.one) += label.IsKnown() ? 1.0 / static_cast<double>(grid.size()) : 0;
   }
   return shares;
+}
+
+MotionShares CompareMotions(const FrameData& frame, std::span<const KeypointLabel> known, const FrameData& witness,
+                            const Rigid3& one, const Rigid3& other, const ScalePyramid& pyramid) {
+  std::vector<KeypointLabel> labels(frame.size(), KeypointLabel::kNone);
+  const Eigen::Matrix3d rotation_one = one.RotationMatrix();
+  const Eigen::Matrix3d rotation_other = other.RotationMatrix();
+  const PinholeCamera& camera = frame.camera();
+  for (std::size_t i = 0; i < frame.size(); ++i) {
+    const Keypoint& here = frame.keypoints()[i];
+    if (!known.empty() && known[i] == KeypointLabel::kDynamic) {
+      continue;
+    }
+    const auto a = PlaceOf(here, camera, rotation_one, one.translation, pyramid);
+    const auto b = PlaceOf(here, camera, rotation_other, other.translation, pyramid);
+    if (!a || !b || AreAlike(here, *a, *b)) {
+      continue;
+    }
+    const bool follows_one = IsFound(here, frame.descriptors()[i], *a, witness);
+    const bool follows_other = IsFound(here, frame.descriptors()[i], *b, witness);
+    if (follows_one != follows_other) {
+      labels[i] = follows_one ? KeypointLabel::kStatic : KeypointLabel::kDynamic;
+    }
+  }
+  return ShareSurfaces(frame, labels);
 }
 
 }  // namespace rds

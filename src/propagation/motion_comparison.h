@@ -24,4 +24,7 @@ struct MotionShares {
                                           const FrameData& witness, const Rigid3& one, const Rigid3& other,
                                           const ScalePyramid& pyramid);
 
+// The same where each keypoint has been judged: static ones follow the motion, dynamic ones do not.
+[[nodiscard]] MotionShares ShareSurfaces(const FrameData& frame, std::span<const KeypointLabel> keypoints);
+
 }  // namespace rds

@@ -22,7 +22,7 @@ constexpr int kCellsAcross = 16;      // of the image
 constexpr int kMotionTrials = 300;
 constexpr MisfitBounds kCoarse{3, 5};  // an alignment of three noisy depths is coarse
 constexpr std::size_t kMostMotions = 3;
-constexpr int kLeastFollowing = 12;  // pairs that a second motion needs
+constexpr int kLeastFollowing = 8;  // pairs that a second motion needs
 
 // Draws pairs so that each cell of the image has the same chance.
 class FairDraw {

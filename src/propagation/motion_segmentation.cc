@@ -15,7 +15,6 @@ namespace rds {
 namespace {
 
 constexpr int kLeastMatches = 60;
-constexpr double kLeastShare = 0.5;      // of the matched area that must follow a motion without a rival
 constexpr double kClearly = 1.25;        // times what follows a rival must follow the motion of most
 constexpr double kNothing = 0.02;        // shares of the picture below this
 constexpr double kContradiction = 0.15;  // of the picture, by which more must follow it than the expected one
@@ -106,14 +105,15 @@ bool IsConfirmed(std::span<const Pair> pairs, std::span<const Verdict> verdicts,
   return alike >= kLeastAlike && alike > following;
 }
 
-double ShareFollowing(std::span<const Pair> pairs, std::span<const Verdict> verdicts) {
-  double area = 0;
-  double following = 0;
+// Whether what follows a motion without a rival has more of the picture than what does not.
+bool IsOfMost(std::span<const Pair> pairs, std::span<const Verdict> verdicts, const FrameData& frame) {
+  std::vector<KeypointLabel> labels(frame.size(), KeypointLabel::kNone);
   for (std::size_t i = 0; i < pairs.size(); ++i) {
-    area += pairs[i].area;
-    following += verdicts[i].label == KeypointLabel::kStatic ? pairs[i].area : 0;
+    labels[pairs[i].here] =
+        verdicts[i].label == KeypointLabel::kStatic ? KeypointLabel::kStatic : KeypointLabel::kDynamic;
   }
-  return following / area;
+  const MotionShares shares = ShareSurfaces(frame, labels);
+  return shares.one >= shares.other;
 }
 
 }  // namespace
@@ -144,7 +144,7 @@ std::optional<MotionSegmentation> SegmentByMotion(const FrameData& frame, std::s
     }
   }
   const std::vector<Verdict> verdicts = Judge(pairs, frame, witness, motions);
-  if (candidates.size() == 1 && ShareFollowing(pairs, verdicts) < kLeastShare) {
+  if (candidates.size() == 1 && !IsOfMost(pairs, verdicts, frame)) {
     return std::nullopt;
   }
   result.labels.assign(frame.size(), KeypointLabel::kNone);

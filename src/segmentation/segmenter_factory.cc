@@ -19,8 +19,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kWaysOut =
-    "fetch the published ones with `rds fetch weights`, name a file with --model, or choose --segmenter none (no "
-    "semantics) or stored (masks of the sequence)";
+    "fetch the published ones with `rds fetch weights`, name a file with --model, or choose --segmenter geometry (what "
+    "moves, without a network), --segmenter none (no semantics) or stored (masks of the sequence)";
 
 bool IsFile(const fs::path& path) {
   std::error_code error;

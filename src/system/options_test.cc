@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "system/option_binding.h"
+#include "system/presets.h"
 #include "testing/temporary_folder.h"
 
 namespace rds {
@@ -50,6 +51,30 @@ TEST(Options, KeysOfAGroupStandTogether) {
     std::set_difference(open.begin(), open.end(), groups.begin(), groups.end(), std::inserter(closed, closed.end()));
     open = groups;
   }
+}
+
+// What a preset sets must be in the options that are written beside a result.
+TEST(Options, APresetIsAMatterOfOptions) {
+  for (const std::string& name : PresetNames()) {
+    Options preset;
+    ApplyPreset(preset, name);
+    EXPECT_NO_THROW(ValidateOptions(preset));
+    Options rebuilt;
+    int changed = 0;
+    Options defaults;
+    const OptionTable of_preset = BindOptions(preset);
+    const OptionTable of_defaults = BindOptions(defaults);
+    for (std::size_t i = 0; i < of_preset.entries().size(); ++i) {
+      const OptionEntry& entry = of_preset.entries()[i];
+      changed += entry.get() != of_defaults.entries()[i].get() ? 1 : 0;
+      SetOption(rebuilt, entry.key, entry.get());
+    }
+    EXPECT_GT(changed, 5);
+    EXPECT_EQ(rebuilt.tracking.policy.rule, preset.tracking.policy.rule);
+    EXPECT_EQ(rebuilt.semantic.completion_step_ratio, preset.semantic.completion_step_ratio);
+  }
+  Options options;
+  EXPECT_THAT(InputErrorOf([&] { ApplyPreset(options, "orb"); }), HasSubstr("paper"));
 }
 
 TEST(Options, SetsEachType) {

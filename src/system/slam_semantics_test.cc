@@ -17,6 +17,7 @@
 
 #include "base/random.h"
 #include "base/time.h"
+#include "segmentation/unsure_segmenter.h"
 #include "testing/small_world.h"
 
 namespace rds {
@@ -185,6 +186,23 @@ TEST(Slam, FramesBeforeTheFirstLabelAreTrackedAgainWhateverTheMomentItComes) {
       EXPECT_LT(pose.world_from_camera.translation.norm(), 0.03) << "moment " << moment;
     }
   }
+}
+
+// A board with more corners than the rest, carried before the camera from the first frame on: no network knows it.
+TEST(Slam, WhatMovesNeedsNoName) {
+  SyntheticOptions synthetic = SmallWorld(SyntheticScenario::kCarried);
+  synthetic.path = SyntheticPath::kLoop;
+  synthetic.frames = 120;
+  const std::vector<SyntheticFrame> frames = Rendered(synthetic);
+  const SlamResult without = RunAll(frames, SmallOptions(true), nullptr);
+  const SlamResult with = RunAll(frames, SmallOptions(true), std::make_unique<UnsureSegmenter>());
+  EXPECT_EQ(with.tracked_frames, synthetic.frames);
+  EXPECT_LT(AteRmse(with, frames), 0.02);
+  EXPECT_GT(AteRmse(without, frames), 10 * AteRmse(with, frames));
+  // In threads, as fast as they go, labels come when they come.
+  const SlamResult threaded = RunAll(frames, SmallOptions(false), std::make_unique<UnsureSegmenter>());
+  EXPECT_EQ(threaded.tracked_frames, synthetic.frames);
+  EXPECT_LT(AteRmse(threaded, frames), AteRmse(without, frames) / 2);
 }
 
 // Metrics 6 and 7 of the paper: keyframes that come faster than their masks.
