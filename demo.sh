@@ -5,7 +5,7 @@
 #   ./demo.sh                        installs what is missing, builds, makes a synthetic room with people walking
 #                                    through it, and runs SLAM on it with and without semantics
 #   ./demo.sh SEQUENCE [options]     the same with a folder of yours (TUM or Bonn layout); the options are those of
-#                                    `rds run`, such as --camera FILE, --segmenter none, --video FILE.mp4
+#                                    `rds run`, such as --camera FILE, --segmenter geometry, --video FILE.mp4
 #
 # Results are written below out/. A second call builds and makes only what changed.
 set -euo pipefail
@@ -63,7 +63,7 @@ fetch_weights() {
   if [ -z "${RDS_WEIGHTS_URL:-}" ] && [ -n "$models" ] && [ -d "$models" ]; then
     export RDS_WEIGHTS_URL=file://$(realpath "$models")
   fi
-  "$RDS" fetch weights || say "going on without them"
+  "$RDS" fetch weights
 }
 
 own_sequence() {
@@ -76,7 +76,10 @@ own_sequence() {
     [[ $option =~ ^--(segmenter|model)(=|$) ]] && weights=chosen
   done
   prepare
-  [ $weights = chosen ] || fetch_weights
+  if [ $weights = wanted ] && [ -z "${RDS_WEIGHTS:-}" ] && ! fetch_weights; then
+    say "going on without a network: what moves is told from geometry"
+    set -- --segmenter geometry "$@"
+  fi
   if [ -z "$out" ]; then
     set -- --out "$OUT/$name" "$@"
   fi
