@@ -70,7 +70,7 @@ TEST(Options, APresetIsAMatterOfOptions) {
       SetOption(rebuilt, entry.key, entry.get());
     }
     EXPECT_GT(changed, 5);
-    EXPECT_EQ(rebuilt.tracking.policy.rule, preset.tracking.policy.rule);
+    EXPECT_EQ(rebuilt.mapping.bundle.labeled_only, preset.mapping.bundle.labeled_only);
     EXPECT_EQ(rebuilt.semantic.completion_step_ratio, preset.semantic.completion_step_ratio);
   }
   Options options;

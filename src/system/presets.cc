@@ -17,7 +17,6 @@ void ApplyPreset(Options& options, std::string_view name) {
                                  Suggestion(std::string(name), names), fmt::join(names, ", ")));
   }
   TrackerOptions& tracking = options.tracking;
-  tracking.policy.rule = KeyframeRule::kPaper;
   tracking.policy.semantic_frames = 0;
   tracking.association.unknown = UnknownPoints::kPaper;
   tracking.association.min_observations = 1;
