@@ -22,6 +22,10 @@ void RecentFrames::Add(Entry entry) {
   }
 }
 
+bool RecentFrames::ReachBeyond(double timestamp_s) const {
+  return !entries_.empty() && entries_.back().timestamp_s - timestamp_s >= kWitness_s;
+}
+
 std::vector<RecentFrames::Entry> RecentFrames::Witnesses(double timestamp_s,
                                                          const std::function<bool(FrameId)>& preferred) const {
   std::vector<std::uint8_t> is_preferred;

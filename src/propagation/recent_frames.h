@@ -25,6 +25,8 @@ class RecentFrames {
 
   // Timestamps ascend.
   void Add(Entry entry);
+  // Whether there are frames so much later than a timestamp that all witnesses of it are there.
+  [[nodiscard]] bool ReachBeyond(double timestamp_s) const;
   // Frames to compare that of a timestamp with, the farthest first, about kWitness_s away and less: earlier ones, or
   // where they do not reach as far, later ones; those that are `preferred` rather than others.
   [[nodiscard]] std::vector<Entry> Witnesses(double timestamp_s, const std::function<bool(FrameId)>& preferred) const;

@@ -45,6 +45,12 @@ TEST(RecentFrames, TheFirstFramesAreComparedWithLaterOnes) {
   EXPECT_NEAR(frames.front(), 30 * RecentFrames::kWitness_s, 0.51);
 }
 
+TEST(RecentFrames, KnowWhetherAllWitnessesAreThere) {
+  EXPECT_FALSE(RecentFrames().ReachBeyond(0));
+  EXPECT_FALSE(At30Hz(15).ReachBeyond(0));
+  EXPECT_TRUE(At30Hz(21).ReachBeyond(0));
+}
+
 TEST(RecentFrames, KeyframesRatherThanOthers) {
   const auto frames = FramesOf(At30Hz(60).Witnesses(50 / 30.0, [](FrameId frame) { return frame.value % 7 == 0; }));
   EXPECT_EQ(frames.front(), 28U);  // 30 or 31 would be nearest

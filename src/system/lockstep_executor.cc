@@ -22,15 +22,16 @@ void LockstepExecutor::BeginFrame(FrameId frame) {
   if (round_ && round_->due_frame <= frame.value) {
     Deliver();
   }
-  SegmentNext(frame);
+  SelectNext(frame);
 }
 
 void LockstepExecutor::Deliver() {
-  lanes_->semantics.Apply(round_->labels);
+  std::vector<BacklogItem> items = std::move(round_->items);
   round_.reset();
+  lanes_->semantics.Apply(lanes_->semantics.Segment(std::move(items)));
 }
 
-void LockstepExecutor::SegmentNext(FrameId frame) {
+void LockstepExecutor::SelectNext(FrameId frame) {
   if (round_ || !lanes_->semantics.HasSegmenter()) {
     return;
   }
@@ -39,8 +40,7 @@ void LockstepExecutor::SegmentNext(FrameId frame) {
   });
   if (!selected.empty()) {
     const std::uint32_t asked = std::max(selected.back().frame.value + 1, frame.value);
-    round_ = Round{asked + static_cast<std::uint32_t>(options_.semantic.lockstep_delay_frames),
-                   lanes_->semantics.Segment(std::move(selected))};
+    round_ = Round{asked + static_cast<std::uint32_t>(options_.semantic.lockstep_delay_frames), std::move(selected)};
   }
 }
 
@@ -77,7 +77,7 @@ void LockstepExecutor::Finish() {
       if (round_) {
         Deliver();
       }
-      SegmentNext(FrameId{0});
+      SelectNext(FrameId{0});
       if (!round_) {
         return;
       }

@@ -4,14 +4,15 @@
 
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "system/executor.h"
 
 namespace rds {
 
-// Keyframes are mapped and labels propagated at once; masks are segmented at once, too, but delivered a set number of
-// frames later, and the next round begins then: the same input gives the same bytes. What a lane throws leaves the
-// method that ran it.
+// Keyframes are mapped and labels propagated at once; masks are delivered a set number of frames after they were asked
+// for (and only then segmented: what has been seen until then is there to compare with), and the next round begins
+// then: the same input gives the same bytes. What a lane throws leaves the method that ran it.
 class LockstepExecutor final : public Executor {
  public:
   LockstepExecutor(const Options& options, std::shared_ptr<Lanes> lanes);
@@ -28,12 +29,12 @@ class LockstepExecutor final : public Executor {
  private:
   struct Round {
     std::uint32_t due_frame = 0;
-    LabeledRound labels;
+    std::vector<BacklogItem> items;
   };
 
   void Deliver();
-  // Segments what goes next; the labels are due some frames after `frame`.
-  void SegmentNext(FrameId frame);
+  // Selects what goes next; the labels are due some frames after `frame`.
+  void SelectNext(FrameId frame);
 
   Options options_;
   std::shared_ptr<Lanes> lanes_;

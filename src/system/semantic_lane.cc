@@ -174,7 +174,9 @@ LabelEvent SemanticLane::ApplyMask(const BacklogItem& item, const Image8& mask, 
 }
 
 void SemanticLane::PublishAnswer(const BacklogItem& item, const std::vector<KeypointLabel>& labels) {
-  Answer answer{item.frame, 0, item.again};
+  const bool compared =
+      item.again || recent_.Read([&](const RecentFrames& recent) { return recent.ReachBeyond(item.timestamp_s); });
+  Answer answer{item.frame, 0, compared};
   for (std::size_t i = 0; i < labels.size(); ++i) {
     answer.usable_keypoints += labels[i] != KeypointLabel::kDynamic && item.data->keypoints()[i].HasDepth() ? 1 : 0;
   }

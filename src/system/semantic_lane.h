@@ -54,7 +54,7 @@ class SemanticLane {
   struct Answer {
     FrameId frame;
     int usable_keypoints = 0;  // with depth, and not dynamic
-    bool again = false;        // as of the item
+    bool compared = false;     // with frames that lie apart, so that it knows what moves without a name
   };
   [[nodiscard]] std::optional<Answer> NewestAnswer() const;
   // Newest frame that has been labeled; -1 before the first.

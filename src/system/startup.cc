@@ -39,7 +39,7 @@ void Startup::TrackAgainIfLabeled(FrontEnd& front_end) {
 }
 
 bool Startup::IsFinal(FrontEnd& front_end) {
-  if (!compares_ || front_end.NewestAnswer()->again || waited_again_ >= most_frames_) {
+  if (!compares_ || front_end.NewestAnswer()->compared || waited_again_ >= most_frames_) {
     return true;
   }
   IncomingFrame& first = frames_[begin_];
@@ -101,7 +101,10 @@ bool Startup::BeginAnewIfLost(const IncomingFrame& frame, FrontEnd& front_end, T
   tracked_ += outcome.tracked ? 1 : 0;
   lost_ = outcome.tracked ? 0 : lost_ + (front_end.CanBeginWith(frame) ? 1 : 0);
   const bool is_lost = lost_ >= std::max(kLeastLost, tracked_);
-  const bool is_elsewhere = front_end.LeftOfReference().value_or(1) < kLeastLeft;
+  // Before the first label poses may follow what moves, and say nothing of what is left.
+  const auto answer = front_end.NewestAnswer();
+  const bool is_labeled = !waiting_ || (answer && answer->frame == asked_);
+  const bool is_elsewhere = is_labeled && front_end.LeftOfReference().value_or(1) < kLeastLeft;
   if ((!is_lost && !is_elsewhere) || !front_end.CanBeginWith(frame)) {
     return false;
   }
