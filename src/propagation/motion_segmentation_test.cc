@@ -22,7 +22,7 @@ class Room {
   Room(std::uint32_t corners_of_room, std::uint32_t corners_of_thing) : thing_(corners_of_room) {
     Random random(3);
     for (std::uint32_t i = 0; i < corners_of_room; ++i) {
-      Add(random, {random.Uniform(-2, 2), random.Uniform(-1.5, 1.5), kWall_m});
+      Add(random, {random.Uniform(-1.7, 1.7), random.Uniform(-1.25, 1.25), kWall_m});
     }
     for (std::uint32_t i = 0; i < corners_of_thing; ++i) {
       Add(random, {random.Uniform(-kHalf_m, kHalf_m), random.Uniform(-kHalf_m, kHalf_m), kThing_m});
@@ -36,7 +36,7 @@ class Room {
       points_[i] += by;
     }
   }
-  // All points, in or out of the picture, with the noise of a camera: keypoint i shows point i.
+  // With the noise of a camera: keypoint i shows point i. All lie in the picture.
   [[nodiscard]] std::shared_ptr<const FrameData> See(const Rigid3& camera_from_world, std::uint64_t seed) const {
     Random random(seed);
     std::vector<Keypoint> keypoints;
@@ -47,8 +47,10 @@ class Room {
       keypoint.depth_m += static_cast<float>(random.Gaussian(0, static_cast<double>(keypoint.depth_sigma_m)));
       keypoints.push_back(keypoint);
     }
-    std::erase_if(keypoints, [](const Keypoint& keypoint) { return keypoint.depth_m <= 0; });
-    Check(keypoints.size() == points_.size(), "all points lie before the camera");
+    std::erase_if(keypoints, [](const Keypoint& keypoint) {
+      return keypoint.depth_m <= 0 || keypoint.x < 0 || keypoint.y < 0 || keypoint.x >= 640 || keypoint.y >= 480;
+    });
+    Check(keypoints.size() == points_.size(), "all points lie in the picture");
     return std::make_shared<const FrameData>(TestCamera(), std::move(keypoints), looks_, Depth(camera_from_world));
   }
 
