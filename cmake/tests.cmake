@@ -8,7 +8,7 @@ set(RDS_TEST_ENVIRONMENT "RDS_EVO_PYTHON=${PROJECT_SOURCE_DIR}/build/venv/bin/py
 
 add_custom_target(rds_thread_tests)  # what is worth running under ThreadSanitizer
 set(pch_owner "")
-foreach(folder base geometry optim feature segmentation map semantic propagation tracking mapping loop runtime system
+foreach(folder base geometry optim feature segmentation map semantic propagation place tracking mapping loop runtime system
     io eval synth cli)
   set(folder_tests ${test_sources})
   list(FILTER folder_tests INCLUDE REGEX "/src/${folder}/")

@@ -12,7 +12,7 @@ import unittest
 SOURCE = pathlib.Path(__file__).resolve().parent.parent / "src"
 
 # Lowest first: a folder includes only itself and those before it.
-ORDER = ["base", "geometry", "optim", "feature", "segmentation", "map", "semantic", "propagation", "tracking", "mapping",
+ORDER = ["base", "geometry", "optim", "feature", "segmentation", "map", "semantic", "propagation", "place", "tracking", "mapping",
          "loop", "runtime", "system", "io", "eval", "synth", "cli", "testing"]
 ONLY = {"runtime": {"base", "runtime"}, "segmentation": {"base", "segmentation"}}  # what a folder may include, where that is less than the order allows
 STRANGERS = {"tracking", "mapping", "loop"}  # never include each other

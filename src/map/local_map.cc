@@ -10,6 +10,8 @@
 namespace rds {
 namespace {
 
+constexpr std::size_t kRecentKeyframes = 64;
+
 // Ids around `center`, ascending.
 std::vector<KeyframeId> SelectKeyframes(const Map& map, KeyframeId center, const LocalMapOptions& options) {
   const auto most = static_cast<std::size_t>(options.keyframes);
@@ -87,6 +89,14 @@ std::shared_ptr<const LocalMap> BuildLocalMap(const Map& map, KeyframeId center,
   }
   local->CollectViews();
   local->replaced = map.RecentReplacements();
+  local->world = map.At(center).world;
+  local->epoch = map.epoch();
+  const std::vector<KeyframeId>& all = map.keyframes();
+  for (std::size_t i = all.size() - std::min(all.size(), kRecentKeyframes); i < all.size(); ++i) {
+    if (map.At(all[i]).world == local->world) {
+      local->recent.emplace_back(all[i], map.At(all[i]).camera_from_world);
+    }
+  }
   local->keyframes_in_map = static_cast<int>(map.keyframes().size());
   local->points_in_map = static_cast<int>(map.point_count());
   return local;
@@ -113,6 +123,14 @@ const LocalKeyframe& LocalMap::MostShared(std::span<const std::uint32_t> points)
   }
   const auto most = std::ranges::max_element(shared.rbegin(), shared.rend());
   return keyframes[static_cast<std::size_t>(shared.rend() - most) - 1];
+}
+
+std::optional<Rigid3> LocalMap::CameraFromWorld(KeyframeId id) const {
+  if (const LocalKeyframe* const keyframe = Find(id)) {
+    return keyframe->camera_from_world;
+  }
+  const auto place = std::ranges::lower_bound(recent, id, {}, &std::pair<KeyframeId, Rigid3>::first);
+  return place != recent.end() && place->first == id ? std::optional(place->second) : std::nullopt;
 }
 
 void LocalMap::CollectViews() {

@@ -42,6 +42,9 @@ struct LocalMap {
   std::vector<std::uint32_t> first_view;
   std::vector<std::uint16_t> views;
   std::vector<std::pair<PointId, PointId>> replaced;  // recently fused ids and what they became, ascending
+  WorldId world;                                      // of all of it
+  std::uint32_t epoch = 0;                            // Map::epoch
+  std::vector<std::pair<KeyframeId, Rigid3>> recent;  // camera_from_world of the newest keyframes of the world, ascending
   int keyframes_in_map = 0;
   int points_in_map = 0;
 
@@ -56,6 +59,8 @@ struct LocalMap {
   // Null if it is not in this snapshot.
   [[nodiscard]] const LocalKeyframe* Find(KeyframeId id) const;
   [[nodiscard]] const LocalKeyframe* FindByFrame(FrameId frame) const;
+  // Of a keyframe in this snapshot, or of a recent one.
+  [[nodiscard]] std::optional<Rigid3> CameraFromWorld(KeyframeId id) const;
   // Fills the views from the keyframes' links; part of making a snapshot.
   void CollectViews();
 };

@@ -52,9 +52,7 @@ KeyframeId Map::AddKeyframe(FrameId frame, double timestamp_s, const Rigid3& cam
   if (!world.valid()) {
     world = worlds_.empty() ? AddWorld() : WorldId{static_cast<std::uint32_t>(worlds_.size() - 1)};
   }
-  while (worlds_.at(world.index()).merged_into.valid()) {
-    world = worlds_[world.index()].merged_into;
-  }
+  world = Resolve(world);
   probabilities_.Release(points_.TakeFreedPages());
   auto keyframe = std::make_unique<Keyframe>();
   keyframe->id = KeyframeId{static_cast<std::uint32_t>(keyframes_.size())};

@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <unordered_map>
 #include <utility>
@@ -67,10 +68,25 @@ class Map {
   // The keyframe that holds a world in place, its oldest one; invalid while the world is empty or once it is merged.
   [[nodiscard]] KeyframeId Root(WorldId world) const { return worlds_.at(world.index()).root; }
   [[nodiscard]] bool IsRoot(KeyframeId keyframe) const { return Root(WorldOf(keyframe)) == keyframe; }
+  [[nodiscard]] std::size_t KeyframesIn(WorldId world) const { return worlds_.at(world.index()).keyframes; }
+  // What a world has become: itself, or what it was merged into.
+  [[nodiscard]] WorldId Resolve(WorldId world) const;
   // Joins the world of `child` into that of `parent`: its keyframes and points are moved by `parent_from_child`, the
   // transform between the frames of the two worlds, and its tree hangs on `parent` by `child` from now on. Ids stay.
   // Throws InvariantError if both are of one world.
   void Merge(KeyframeId child, KeyframeId parent, const Rigid3& parent_from_child);
+
+  // Bends a world: each keyframe moves as a rigid body, with the points that it hosts, by its
+  // `new_world_from_old_world`; keyframes that are not named (added since, say) follow their
+  // parents. What the moves were computed from may have changed since: they are relative. Erased keyframes follow.
+  struct WorldMove {
+    KeyframeId keyframe;
+    Rigid3 new_world_from_old_world;
+  };
+  void Bend(std::span<const WorldMove> moves);
+  // Grows whenever many poses change at once (Merge, Bend): poses in a world's frame that were copied out before are not
+  // to be mixed with later ones.
+  [[nodiscard]] std::uint32_t epoch() const { return epoch_; }
 
   // ---- Keyframes.
   // Adds a keyframe without points and edges to a world, or what that was merged into; none named: the newest one.
@@ -153,6 +169,7 @@ class Map {
 
   ScalePyramid pyramid_;
   MovingProbabilities probabilities_;
+  std::uint32_t epoch_ = 0;
   std::vector<World> worlds_;                         // by id
   std::vector<std::unique_ptr<Keyframe>> keyframes_;  // by id; null = erased
   std::vector<std::optional<Erased>> erased_;         // by id

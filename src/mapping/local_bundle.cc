@@ -2,11 +2,7 @@
 #include "mapping/local_bundle.h"
 
 #include <algorithm>
-#include <iterator>
 #include <map>
-#include <utility>
-
-#include "feature/keypoint_observation.h"
 
 namespace rds {
 namespace {
@@ -59,64 +55,15 @@ std::vector<KeyframeId> SelectFixed(const Map& map, const std::vector<KeyframeId
 
 }  // namespace
 
-std::optional<LocalBundle> PlanLocalBundle(const Map& map, KeyframeId center, bool semantics,
-                                           const LocalBundleOptions& options) {
-  LocalBundle bundle;
+std::optional<MapBundle> PlanLocalBundle(const Map& map, KeyframeId center, bool semantics,
+                                         const LocalBundleOptions& options) {
   const bool weighted = semantics && options.weighted;
-  const MovingProbabilities& probabilities = map.probabilities();
-  const std::vector<KeyframeId> free_keyframes = SelectFree(map, center, semantics, options);
-  std::vector<PointId> points;
-  for (const KeyframeId id : free_keyframes) {
-    std::ranges::copy_if(map.At(id).points, std::back_inserter(points), &PointId::valid);
-  }
-  std::ranges::sort(points);
-  const auto rest = std::ranges::unique(points);
-  points.erase(rest.begin(), rest.end());
-  if (weighted) {  // a point known to move constrains nothing
-    std::erase_if(points, [&](PointId id) { return probabilities.State(id) == PointState::kDynamic; });
-  }
-  std::vector<KeyframeId> keyframes = free_keyframes;
-  const std::vector<KeyframeId> fixed = SelectFixed(map, free_keyframes, points, options);
-  keyframes.insert(keyframes.end(), fixed.begin(), fixed.end());
-
-  std::map<KeyframeId, std::uint32_t> pose_of;
-  for (const KeyframeId id : keyframes) {
-    const Keyframe& keyframe = map.At(id);
-    const auto index = static_cast<std::uint32_t>(bundle.keyframes.size());
-    bundle.problem.camera = keyframe.data->camera();
-    bundle.problem.poses.push_back({keyframe.camera_from_world, map.IsRoot(id) || index >= free_keyframes.size()});
-    bundle.keyframes.push_back({id, keyframe.pose_revision});
-    pose_of[id] = index;
-  }
-  if (std::ranges::none_of(bundle.problem.poses, &BundleProblem::Pose::fixed)) {
-    bundle.problem.poses.front().fixed = true;  // the oldest of the window
-  }
-  for (const PointId id : points) {
-    const MapPoint& point = map.At(id);
-    const double weight = weighted ? 1.0 - probabilities.Get(id) : 1.0;
-    const std::size_t before = bundle.problem.observations.size();
-    for (const Observation& observation : point.observations) {
-      const auto pose = pose_of.find(observation.keyframe);
-      if (pose != pose_of.end()) {
-        const Keypoint& keypoint = map.At(observation.keyframe).data->keypoints()[observation.keypoint];
-        bundle.problem.observations.push_back({pose->second, static_cast<std::uint32_t>(bundle.points.size()),
-                                               ObservationOf(keypoint, map.pyramid(), weight)});
-      }
-    }
-    const std::size_t added = bundle.problem.observations.size() - before;
-    if (added == 0 || (added == 1 && !bundle.problem.observations.back().keypoint.HasDepth())) {
-      bundle.problem.observations.resize(before);  // its depth would be free
-    } else {
-      bundle.points.push_back({id, point.revision, {point.reference, map.At(point.reference).pose_revision}});
-      bundle.problem.points.push_back(point.position);
-    }
-  }
-  const bool worthwhile = map.keyframes().size() >= 2 && !bundle.problem.points.empty() &&
-                          std::ranges::any_of(bundle.problem.poses, [](const auto& pose) { return !pose.fixed; });
-  return worthwhile ? std::optional(std::move(bundle)) : std::nullopt;
+  const std::vector<KeyframeId> adjusted = SelectFree(map, center, semantics, options);
+  const std::vector<PointId> points = PointsToAdjust(map, adjusted, weighted);
+  return PlanBundle(map, adjusted, SelectFixed(map, adjusted, points, options), points, weighted);
 }
 
-std::optional<Correction> SolveLocalBundle(const LocalBundle& bundle, const BundleOptions& options,
+std::optional<Correction> SolveLocalBundle(const MapBundle& bundle, const BundleOptions& options,
                                            const std::function<bool()>& should_stop) {
   const BundleResult result = AdjustBundle(bundle.problem, options, should_stop);
   if (!result.usable) {
@@ -135,7 +82,7 @@ std::optional<Correction> SolveLocalBundle(const LocalBundle& bundle, const Bund
     }
   }
   for (std::size_t i = 0; i < bundle.points.size(); ++i) {
-    const LocalBundle::Point& point = bundle.points[i];
+    const MapBundle::Point& point = bundle.points[i];
     correction.points.push_back({point.id, point.revision, point.reference, result.points[i]});
   }
   return correction;

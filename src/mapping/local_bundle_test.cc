@@ -63,18 +63,18 @@ struct Scene {
       map.UpdateCovisibility(id);
     }
   }
-  [[nodiscard]] LocalBundle Plan(bool semantics = true) const {
+  [[nodiscard]] MapBundle Plan(bool semantics = true) const {
     return PlanLocalBundle(map, map.newest(), semantics, options).value();
   }
   [[nodiscard]] bool IsWorthwhile() const { return PlanLocalBundle(map, map.newest(), true, options).has_value(); }
-  Applied Apply(const LocalBundle& bundle) { return map.Apply(SolveLocalBundle(bundle, options.solver).value()); }
+  Applied Apply(const MapBundle& bundle) { return map.Apply(SolveLocalBundle(bundle, options.solver).value()); }
   void Label(std::uint32_t keyframe) {
     const KeyframeId id{keyframe};
     map.Label(id, std::vector(map.At(id).points.size(), KeypointLabel::kNone));
   }
 };
 
-std::vector<std::uint32_t> FreePoses(const LocalBundle& bundle) {
+std::vector<std::uint32_t> FreePoses(const MapBundle& bundle) {
   std::vector<std::uint32_t> free_ones;
   for (std::size_t i = 0; i < bundle.keyframes.size(); ++i) {
     if (!bundle.problem.poses[i].fixed) {
@@ -86,9 +86,9 @@ std::vector<std::uint32_t> FreePoses(const LocalBundle& bundle) {
 
 using Values = std::vector<std::uint32_t>;
 
-TEST(LocalBundle, RecoversPosesAndPointsWithTheRootHeld) {
+TEST(MapBundle, RecoversPosesAndPointsWithTheRootHeld) {
   Scene scene(4);
-  const LocalBundle bundle = scene.Plan();
+  const MapBundle bundle = scene.Plan();
   EXPECT_EQ(FreePoses(bundle), (Values{1, 2, 3}));
   EXPECT_EQ(bundle.problem.observations.size(), 4U * kPoints);
   scene.options.solver.robust_iterations = scene.options.solver.final_iterations = 20;
@@ -103,17 +103,17 @@ TEST(LocalBundle, RecoversPosesAndPointsWithTheRootHeld) {
   }
 }
 
-TEST(LocalBundle, DynamicPointsAreLeftOutAndOthersWeightedIfAsked) {
+TEST(MapBundle, DynamicPointsAreLeftOutAndOthersWeightedIfAsked) {
   Scene scene(2);
   scene.map.SetMovingProbability(PointId{3}, 0.9);
   scene.map.SetMovingProbability(PointId{4}, 0.2);
-  const LocalBundle weighted = scene.Plan();
+  const MapBundle weighted = scene.Plan();
   EXPECT_EQ(weighted.points.size(), kPoints - 1);
-  EXPECT_EQ(std::ranges::count(weighted.points, PointId{3}, &LocalBundle::Point::id), 0);
+  EXPECT_EQ(std::ranges::count(weighted.points, PointId{3}, &MapBundle::Point::id), 0);
   for (const BundleProblem::Observation& observation : weighted.problem.observations) {
     EXPECT_NEAR(observation.keypoint.weight, weighted.points[observation.point].id == PointId{4} ? 0.8 : 0.5, 1e-6);
   }
-  const auto all_count_alike = [](const LocalBundle& bundle) {
+  const auto all_count_alike = [](const MapBundle& bundle) {
     return bundle.points.size() == kPoints &&
            std::ranges::all_of(bundle.problem.observations, [](const auto& one) { return one.keypoint.weight == 1.0; });
   };
@@ -122,10 +122,10 @@ TEST(LocalBundle, DynamicPointsAreLeftOutAndOthersWeightedIfAsked) {
   EXPECT_TRUE(all_count_alike(scene.Plan()));
 }
 
-TEST(LocalBundle, KeyframesBeyondTheWindowAreHeld) {
+TEST(MapBundle, KeyframesBeyondTheWindowAreHeld) {
   Scene scene(5);
   scene.options.keyframes = 2;
-  const LocalBundle bundle = scene.Plan();
+  const MapBundle bundle = scene.Plan();
   EXPECT_EQ(FreePoses(bundle), (Values{4}));  // the other one of the window is the root, the most covisible by id
   EXPECT_EQ(bundle.keyframes.size(), 5U);
   scene.options.fixed_keyframes = 1;
@@ -133,7 +133,7 @@ TEST(LocalBundle, KeyframesBeyondTheWindowAreHeld) {
   EXPECT_EQ(scene.Plan().problem.observations.size(), 3U * kPoints);
 }
 
-TEST(LocalBundle, OnlyLabeledKeyframesTakePartOnceThereAreEnough) {
+TEST(MapBundle, OnlyLabeledKeyframesTakePartOnceThereAreEnough) {
   Scene scene(6);
   scene.options.labeled_only = true;
   scene.options.fixed_keyframes = 0;
@@ -147,18 +147,18 @@ TEST(LocalBundle, OnlyLabeledKeyframesTakePartOnceThereAreEnough) {
   EXPECT_EQ(FreePoses(scene.Plan(false)), (Values{1, 2, 3, 4, 5}));
 }
 
-TEST(LocalBundle, APointSeenOnceTakesPartOnlyWithDepth) {
+TEST(MapBundle, APointSeenOnceTakesPartOnlyWithDepth) {
   Scene scene(2);
   const PointId deep = scene.map.AddPoint({0, 0, 2}, scene.map.newest(), kPoints);
   const PointId flat = scene.map.AddPoint({0, 0, 2}, scene.map.newest(), kPoints + 1);
-  const LocalBundle bundle = scene.Plan();
-  EXPECT_EQ(std::ranges::count(bundle.points, deep, &LocalBundle::Point::id), 1);
-  EXPECT_EQ(std::ranges::count(bundle.points, flat, &LocalBundle::Point::id), 0);
+  const MapBundle bundle = scene.Plan();
+  EXPECT_EQ(std::ranges::count(bundle.points, deep, &MapBundle::Point::id), 1);
+  EXPECT_EQ(std::ranges::count(bundle.points, flat, &MapBundle::Point::id), 0);
   EXPECT_EQ(bundle.problem.points.size(), bundle.points.size());
   EXPECT_EQ(bundle.problem.observations.size(), 2U * kPoints + 1);
 }
 
-TEST(LocalBundle, IsNotWorthwhileWithOneKeyframeOrNoPoints) {
+TEST(MapBundle, IsNotWorthwhileWithOneKeyframeOrNoPoints) {
   EXPECT_FALSE(Scene(1).IsWorthwhile());
   Scene scene(2);
   for (std::uint32_t i = 0; i < kPoints; ++i) {
@@ -167,9 +167,9 @@ TEST(LocalBundle, IsNotWorthwhileWithOneKeyframeOrNoPoints) {
   EXPECT_FALSE(scene.IsWorthwhile());
 }
 
-TEST(LocalBundle, WhatChangedMeanwhileIsNotWrittenOver) {
+TEST(MapBundle, WhatChangedMeanwhileIsNotWrittenOver) {
   Scene scene(4);
-  const LocalBundle bundle = scene.Plan();
+  const MapBundle bundle = scene.Plan();
   const Correction correction = SolveLocalBundle(bundle, {}).value();
   const Rigid3 changed{Eigen::Quaterniond::Identity(), {-0.3, 0.1, 0}};
   scene.map.SetPose(KeyframeId{2}, changed);
@@ -184,9 +184,9 @@ TEST(LocalBundle, WhatChangedMeanwhileIsNotWrittenOver) {
   EXPECT_EQ(scene.map.At(PointId{kPoints}).position, Eigen::Vector3d(0, 0, 2));
 }
 
-TEST(LocalBundle, OutlierObservationsAreUnlinked) {
+TEST(MapBundle, OutlierObservationsAreUnlinked) {
   Scene scene(4, 8);
-  const LocalBundle bundle = scene.Plan();
+  const MapBundle bundle = scene.Plan();
   scene.options.solver.robust_iterations = scene.options.solver.final_iterations = 20;
   scene.Apply(bundle);
   EXPECT_FALSE(scene.map.At(KeyframeId{3}).points[8].valid());

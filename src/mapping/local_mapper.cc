@@ -6,7 +6,7 @@
 
 #include "mapping/local_bundle.h"
 #include "mapping/point_creation.h"
-#include "mapping/point_fusion.h"
+#include "place/point_fusion.h"
 
 namespace rds {
 namespace {
@@ -148,7 +148,7 @@ bool LocalMapper::Adjust(MapAccess& map, KeyframeId keyframe, bool semantics,
         planned = bundle.has_value();
         return bundle;
       },
-      [&](const LocalBundle& bundle) { return SolveLocalBundle(bundle, options_.bundle.solver, should_stop); });
+      [&](const MapBundle& bundle) { return SolveLocalBundle(bundle, options_.bundle.solver, should_stop); });
   return planned;
 }
 

@@ -4,6 +4,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
+#include <algorithm>
 
 namespace rds {
 namespace {
@@ -12,17 +13,32 @@ constexpr std::size_t kMaxDenseBlocks = 100;  // where the dense and the sparse 
 
 }  // namespace
 
-BlockSystem::BlockSystem(std::size_t blocks) : size_(blocks), index_(blocks * blocks, -1) {
+BlockSystem::BlockSystem(std::size_t blocks)
+    : size_(blocks), index_(blocks <= kMaxIndexed ? blocks * blocks : 0, -1), columns_(blocks) {
   for (std::size_t i = 0; i < size_; ++i) {
     Declare(i, i);
   }
 }
 
 void BlockSystem::Declare(std::size_t row, std::size_t column) {
-  std::int32_t& index = index_[row * size_ + column];
-  if (index < 0) {
-    index = declared_++;
+  if (size_ <= kMaxIndexed) {
+    std::int32_t& index = index_[row * size_ + column];
+    if (index >= 0) {
+      return;
+    }
+    index = declared_;
   }
+  std::vector<Entry>& entries = columns_[column];
+  const auto place = std::ranges::lower_bound(entries, row, {}, &Entry::row);
+  if (place == entries.end() || place->row != row) {
+    entries.insert(place, {static_cast<std::uint32_t>(row), declared_++});
+  }
+}
+
+std::int32_t BlockSystem::Find(std::size_t row, std::size_t column) const {
+  const std::vector<Entry>& entries = columns_[column];
+  const auto place = std::ranges::lower_bound(entries, row, {}, &Entry::row);
+  return place != entries.end() && place->row == row ? place->index : -1;
 }
 
 void BlockSystem::SetZero() { blocks_.assign(static_cast<std::size_t>(declared_), Block::Zero()); }
@@ -34,13 +50,10 @@ Eigen::VectorXd BlockSystem::Solve(const Eigen::VectorXd& right) const {
 Eigen::VectorXd BlockSystem::SolveDense(const Eigen::VectorXd& right) const {
   const auto order = static_cast<Eigen::Index>(6 * size_);
   Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(order, order);
-  for (std::size_t row = 0; row < size_; ++row) {
-    for (std::size_t column = 0; column <= row; ++column) {
-      const std::int32_t index = index_[row * size_ + column];
-      if (index >= 0) {
-        matrix.block<6, 6>(static_cast<Eigen::Index>(6 * row), static_cast<Eigen::Index>(6 * column)) =
-            blocks_[static_cast<std::size_t>(index)];
-      }
+  for (std::size_t column = 0; column < size_; ++column) {
+    for (const Entry& entry : columns_[column]) {
+      matrix.block<6, 6>(static_cast<Eigen::Index>(6 * entry.row), static_cast<Eigen::Index>(6 * column)) =
+          blocks_[static_cast<std::size_t>(entry.index)];
     }
   }
   const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> factors(matrix);
@@ -58,14 +71,10 @@ Eigen::VectorXd BlockSystem::SolveSparse(const Eigen::VectorXd& right) const {
     for (Eigen::Index j = 0; j < 6; ++j) {
       const Eigen::Index matrix_column = static_cast<Eigen::Index>(6 * column) + j;
       matrix.startVec(matrix_column);
-      for (std::size_t row = column; row < size_; ++row) {
-        const std::int32_t index = index_[row * size_ + column];
-        if (index < 0) {
-          continue;
-        }
-        for (Eigen::Index i = row == column ? j : 0; i < 6; ++i) {
-          matrix.insertBack(static_cast<Eigen::Index>(6 * row) + i, matrix_column) =
-              blocks_[static_cast<std::size_t>(index)](i, j);
+      for (const Entry& entry : columns_[column]) {
+        for (Eigen::Index i = entry.row == column ? j : 0; i < 6; ++i) {
+          matrix.insertBack(static_cast<Eigen::Index>(6 * entry.row) + i, matrix_column) =
+              blocks_[static_cast<std::size_t>(entry.index)](i, j);
         }
       }
     }

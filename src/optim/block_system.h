@@ -10,7 +10,8 @@
 namespace rds {
 
 // A symmetric positive definite matrix of n x n blocks, of which the lower ones are stored if declared. Small systems
-// are factorized as dense matrices, large ones as sparse matrices with a minimum degree ordering. Not thread-safe.
+// are factorized as dense matrices, large ones as sparse matrices with a minimum degree ordering; the memory of those
+// is that of the declared blocks. Not thread-safe.
 class BlockSystem {
  public:
   using Block = Eigen::Matrix<double, 6, 6>;
@@ -23,7 +24,7 @@ class BlockSystem {
   void SetZero();
   // A declared block.
   Block& At(std::size_t row, std::size_t column) {
-    return blocks_[static_cast<std::size_t>(index_[row * size_ + column])];
+    return blocks_[static_cast<std::size_t>(size_ <= kMaxIndexed ? index_[row * size_ + column] : Find(row, column))];
   }
   // x with S x = right, right having 6 n rows; of diagonal blocks only the lower triangles are read. Empty if S is not
   // positive definite.
@@ -32,11 +33,20 @@ class BlockSystem {
   [[nodiscard]] std::size_t size() const { return size_; }
 
  private:
+  static constexpr std::size_t kMaxIndexed = 256;  // blocks in a row; the index of larger systems is searched
+
+  struct Entry {
+    std::uint32_t row = 0;
+    std::int32_t index = 0;  // into blocks_
+  };
+
+  [[nodiscard]] std::int32_t Find(std::size_t row, std::size_t column) const;  // -1 = not declared
   [[nodiscard]] Eigen::VectorXd SolveDense(const Eigen::VectorXd& right) const;
   [[nodiscard]] Eigen::VectorXd SolveSparse(const Eigen::VectorXd& right) const;
 
   std::size_t size_;
-  std::vector<std::int32_t> index_;  // into blocks_, row by row; -1 = not declared
+  std::vector<std::int32_t> index_;          // of small systems: into blocks_, row by row; -1 = not declared
+  std::vector<std::vector<Entry>> columns_;  // those declared, ascending by row
   std::vector<Block> blocks_;
   std::int32_t declared_ = 0;
 };

@@ -164,22 +164,8 @@ void DrawSurfaces(const FrameData& data, std::span<const KeypointLabel> labels, 
   if (grid.empty()) {
     return;
   }
-  std::vector<KeypointLabel> samples(grid.size(), KeypointLabel::kNone);
-  for (std::size_t i = 0; i < labels.size(); ++i) {
-    const Keypoint& keypoint = data.keypoints()[i];
-    const auto sample = grid.IndexOfPixel(keypoint.raw_x, keypoint.raw_y);
-    if (labels[i] == KeypointLabel::kNone || !sample || samples[*sample] == KeypointLabel::kDynamic ||
-        !SameSurface(keypoint.depth_m, grid[*sample], kSameThing)) {
-      continue;
-    }
-    samples[*sample] = labels[i];
-  }
   constexpr int kReach_px = 100;
-  SurfaceLabels surfaces({.max_dynamic_distance_px = kReach_px, .max_static_distance_px = kReach_px});
-  surfaces.Start(grid);
-  surfaces.Add(std::span<const KeypointLabel>(samples));
-  surfaces.Spread();
-  const std::vector<SurfaceLabel> spread = surfaces.Labels();
+  const std::vector<SurfaceLabel> spread = SpreadLabels(data, labels, kReach_px);
   grid.ForEach([&](int column, int row) {
     const SurfaceLabel& label = spread[grid.Index(column, row)];
     if (!label.IsKnown()) {

@@ -89,4 +89,27 @@ std::vector<SurfaceLabel> SurfaceLabels::Labels() const {
   return labels;
 }
 
+std::vector<SurfaceLabel> SpreadLabels(const FrameData& data, std::span<const KeypointLabel> labels, int reach_px) {
+  Check(labels.size() == data.size(), "a label for each keypoint");
+  constexpr float kSameThing = 0.15F;  // difference of a keypoint's depth from its sample's, as a ratio
+  const DepthGrid& grid = data.depth_grid();
+  if (grid.empty()) {
+    return {};
+  }
+  std::vector<KeypointLabel> samples(grid.size(), KeypointLabel::kNone);
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    const Keypoint& keypoint = data.keypoints()[i];
+    const auto sample = grid.IndexOfPixel(keypoint.raw_x, keypoint.raw_y);
+    if (labels[i] != KeypointLabel::kNone && sample && samples[*sample] != KeypointLabel::kDynamic &&
+        SameSurface(keypoint.depth_m, grid[*sample], kSameThing)) {
+      samples[*sample] = labels[i];
+    }
+  }
+  SurfaceLabels surfaces({.max_dynamic_distance_px = reach_px, .max_static_distance_px = reach_px});
+  surfaces.Start(grid);
+  surfaces.Add(std::span<const KeypointLabel>(samples));
+  surfaces.Spread();
+  return surfaces.Labels();
+}
+
 }  // namespace rds

@@ -58,4 +58,9 @@ class SurfaceLabels {
   std::array<std::vector<Cell>, SurfaceLabel::kNone> queue_;  // by distance
 };
 
+// The labels of a frame's keypoints, spread over the surfaces that they lie on: one for each sample of its depth grid,
+// row by row. Of several keypoints of a sample a dynamic one counts.
+[[nodiscard]] std::vector<SurfaceLabel> SpreadLabels(const FrameData& data, std::span<const KeypointLabel> labels,
+                                                     int reach_px);
+
 }  // namespace rds

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "base/time.h"
-#include "tracking/recovery.h"
+#include "place/recovery.h"
 
 namespace rds {
 namespace {

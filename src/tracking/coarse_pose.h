@@ -7,7 +7,7 @@
 #include <span>
 
 #include "tracking/pose_estimate.h"
-#include "tracking/projection_search.h"
+#include "place/projection_search.h"
 
 namespace rds {
 

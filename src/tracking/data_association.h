@@ -2,25 +2,16 @@
 // Which matches a pose may stand on: the paper's Algorithm 2.
 #pragma once
 
-#include <cstdint>
 #include <span>
 #include <vector>
 
 #include "map/local_map.h"
 #include "map/moving_probability.h"
+#include "map/point_match.h"
 #include "propagation/label_propagation.h"
 #include "tracking/tracker_options.h"
 
 namespace rds {
-
-// A keypoint of the current frame and the point of the local map that it shows.
-struct PointMatch {
-  std::uint32_t keypoint = 0;
-  std::uint32_t point = 0;  // index into LocalMap
-  PointState state = PointState::kUnknown;
-  double weight =
-      1;  // 1 - p, less for a point that is not proven, scaled so that the best match that is used has weight 1
-};
 
 // Outcome of Algorithm 2. `used` holds static matches before unknown ones.
 struct Association {

@@ -8,12 +8,13 @@
 #include "feature/frame_data.h"
 #include "geometry/rigid3.h"
 #include "optim/pose_prior.h"
+#include "place/explained_share.h"
 #include "tracking/tracker_options.h"
 
 namespace rds {
 
 // Every second sample of the depth grid in each direction is registered, from the second on.
-inline constexpr int kRegistrationStep = 2;
+inline constexpr int kRegistrationStep = kExplainedStep;
 
 // Registers the depth grid of a frame to that of another view: point-to-plane ICP with projective association (Chen and
 // Medioni 1992; Blais and Levine 1995), starting at the mean of the prior and held near it. Returns what is then known

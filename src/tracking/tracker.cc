@@ -9,7 +9,7 @@
 #include "base/error.h"
 #include "base/time.h"
 #include "tracking/depth_registration.h"
-#include "tracking/explained_share.h"
+#include "place/explained_share.h"
 
 namespace rds {
 namespace {
@@ -105,8 +105,8 @@ void Tracker::Rebase() {
     last_.reference = self->id;
     last_.camera_from_reference = Rigid3{};
   }
-  if (const LocalKeyframe* reference = map_->Find(last_.reference)) {
-    last_.camera_from_world = last_.camera_from_reference * reference->camera_from_world;
+  if (const auto reference = map_->CameraFromWorld(last_.reference)) {
+    last_.camera_from_world = last_.camera_from_reference * *reference;
   }
   last_.observations = FindObservations(last_.points, *map_);
   uses_.Rebase(map_);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tracking/explained_share.h"
+#include "place/explained_share.h"
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 
 #include "geometry/rigid3.h"
 #include "map/local_map.h"
-#include "tracking/data_association.h"
+#include "map/point_match.h"
 
 namespace rds {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tracking/explained_share.h"
+#include "place/explained_share.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,13 +12,12 @@ constexpr double kSigmas = 3;
 
 }  // namespace
 
-std::optional<double> ExplainedShare(const FrameData& frame, std::span<const std::uint8_t> usable,
-                                     const FrameData& view, const Rigid3& view_from_frame) {
+SurfaceAgreement CompareSurfaces(const FrameData& frame, std::span<const std::uint8_t> usable, const FrameData& view,
+                                 const Rigid3& view_from_frame, int step) {
   const DepthGrid& grid = frame.depth_grid();
   const DepthGrid& seen = view.depth_grid();
   const GridWarp warp(frame.camera(), view_from_frame);
-  int confirmed = 0;
-  int contradicted = 0;
+  SurfaceAgreement agreement;
   const auto judge = [&](int column, int row) {
     if (!usable.empty() && usable[grid.Index(column, row)] == 0) {
       return;
@@ -38,12 +37,17 @@ std::optional<double> ExplainedShare(const FrameData& frame, std::span<const std
       at_place = at_place || (depth_m > 0 && std::abs(depth_m - place.depth_m) <= tolerance_m);
       beyond = beyond && depth_m > place.depth_m + tolerance_m;
     });
-    confirmed += at_place ? 1 : 0;
-    contradicted += beyond ? 1 : 0;
+    agreement.confirmed += at_place ? 1 : 0;
+    agreement.contradicted += beyond ? 1 : 0;
   };
-  grid.ForEach(judge, kRegistrationStep);
-  const int judged = confirmed + contradicted;
-  return judged >= kLeastJudged ? std::optional(static_cast<double>(confirmed) / judged) : std::nullopt;
+  grid.ForEach(judge, step);
+  return agreement;
+}
+
+std::optional<double> ExplainedShare(const FrameData& frame, std::span<const std::uint8_t> usable,
+                                     const FrameData& view, const Rigid3& view_from_frame) {
+  const SurfaceAgreement agreement = CompareSurfaces(frame, usable, view, view_from_frame, kExplainedStep);
+  return agreement.Judged() >= kLeastJudged ? std::optional(agreement.Share()) : std::nullopt;
 }
 
 }  // namespace rds

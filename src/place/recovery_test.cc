@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tracking/recovery.h"
+#include "place/recovery.h"
 
 #include <gtest/gtest.h>
 

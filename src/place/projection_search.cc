@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tracking/projection_search.h"
+#include "place/projection_search.h"
 
 #include <algorithm>
 #include <cmath>

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "map/local_map.h"
-#include "tracking/data_association.h"
+#include "map/point_match.h"
 
 namespace rds {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapping/point_fusion.h"
+#include "place/point_fusion.h"
 
 #include <algorithm>
 

@@ -1,0 +1,354 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "loop/loop_closer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "base/log.h"
+#include "map/map_bundle.h"
+#include "place/point_fusion.h"
+
+namespace rds {
+namespace {
+
+constexpr std::size_t kLoopCandidates = 3;
+constexpr std::size_t kRelocalizationCandidates = 5;
+constexpr std::size_t kClearMatches = 100;  // with so many no other candidate is tried
+constexpr std::size_t kAround = 10;         // best covisible keyframes of each covisible one
+constexpr std::size_t kWitnesses = 2;       // that are asked
+constexpr PlaceBounds kWitnessBounds{20, 0.85, 100};
+constexpr std::size_t kWeld = 15;           // covisible keyframes on which points are fused
+constexpr int kErasedEvery = 100;           // keyframes
+// A correction that the way travelled explains; beyond it, more must be seen.
+constexpr double kDrift_m = 0.3;
+constexpr double kDriftPerWay = 0.05;
+constexpr double kTurn_rad = 5 * std::numbers::pi / 180;
+constexpr double kTurnPerWay_rad = 0.5 * std::numbers::pi / 180;
+// Below this there is nothing to bend.
+constexpr double kNothing_m = 0.01;
+constexpr double kNothing_rad = 0.2 * std::numbers::pi / 180;
+
+// Length of the way between two keyframes of a world, meters, along those in between.
+double WayBetween(const Map& map, KeyframeId a, KeyframeId b) {
+  const auto [first, last] = std::minmax(a, b);
+  const std::vector<KeyframeId>& ids = map.keyframes();
+  double way_m = 0;
+  const Keyframe* before = nullptr;
+  for (auto id = std::ranges::lower_bound(ids, first); id != ids.end() && *id <= last; ++id) {
+    const Keyframe& keyframe = map.At(*id);
+    if (keyframe.world == map.At(a).world) {
+      way_m += before != nullptr ? (keyframe.CameraCenter() - before->CameraCenter()).norm() : 0;
+      before = &keyframe;
+    }
+  }
+  return way_m;
+}
+
+}  // namespace
+
+LoopCloser::LoopCloser(const LoopOptions& options, const ScalePyramid& pyramid, const PoseOptimizerOptions& pose,
+                       bool semantics)
+    : options_(options), pyramid_(pyramid), pose_(pose), semantics_(semantics) {}
+
+void LoopCloser::Index(const MapAccess& map, KeyframeId keyframe) {
+  const auto descriptors = map.Read([&](const Map& locked) {
+    return locked.Find(keyframe) != nullptr ? std::optional(IndexedDescriptors(locked, keyframe)) : std::nullopt;
+  });
+  if (descriptors) {
+    index_.Add(keyframe, *descriptors);
+  }
+  if (++indexed_ >= kErasedEvery) {
+    DropErased(map);
+  }
+}
+
+void LoopCloser::DropErased(const MapAccess& map) {
+  indexed_ = 0;
+  const std::vector<KeyframeId> erased = map.Read([&](const Map& locked) {
+    std::vector<KeyframeId> gone = index_.Keyframes();
+    std::erase_if(gone, [&](KeyframeId id) { return locked.Find(id) != nullptr; });
+    return gone;
+  });
+  for (const KeyframeId id : erased) {
+    index_.Remove(id);
+  }
+  std::erase_if(loops_, [&](const LoopEdge& loop) { return !index_.Has(loop.from) || !index_.Has(loop.to); });
+}
+
+std::optional<PlaceFound> LoopCloser::Relocalize(const MapAccess& map, const PlaceQuery& query) const {
+  const std::vector<PlaceScore> scores = index_.Query(query.Descriptors());
+  const auto candidates = map.Read([&](const Map& locked) {
+    return ProposePlaces(locked, scores, kRelocalizationCandidates, [](const Keyframe& /*any*/) { return true; });
+  });
+  std::optional<PlaceFound> best;
+  for (const KeyframeId candidate : candidates) {
+    const auto [plan, probabilities] = map.Read([&](const Map& locked) {
+      return std::pair(PlanPlace(locked, candidate), &locked.probabilities());
+    });
+    auto found = plan ? VerifyPlace(query, *plan, *probabilities, pyramid_, pose_) : std::nullopt;
+    if (found && IsWithin(*found, kRelocalizationBounds) &&
+        (!best || found->matches.size() > best->matches.size())) {
+      best = std::move(found);
+      if (best->matches.size() >= kClearMatches) {
+        break;
+      }
+    }
+  }
+  return best;
+}
+
+std::optional<LoopCloser::Subject> LoopCloser::Describe(const MapAccess& map, KeyframeId id) const {
+  return map.Read([&](const Map& locked) -> std::optional<Subject> {
+    const Keyframe* const keyframe = locked.Find(id);
+    if (keyframe == nullptr) {
+      return std::nullopt;
+    }
+    Subject subject{
+        id, {keyframe->data, keyframe->labels}, keyframe->world, keyframe->camera_from_world, {id}, {}};
+    for (const Covisible& edge : keyframe->covisible) {
+      subject.around.insert(edge.keyframe);
+      for (const KeyframeId second : locked.BestCovisible(edge.keyframe, kAround)) {
+        subject.around.insert(second);
+      }
+    }
+    if (keyframe->parent.valid()) {
+      subject.around.insert(keyframe->parent);
+    }
+    subject.around.insert(keyframe->children.begin(), keyframe->children.end());
+    subject.witnesses = locked.BestCovisible(id, kWitnesses);
+    return subject;
+  });
+}
+
+std::optional<PlaceFound> LoopCloser::FindAgain(const MapAccess& map, const Subject& subject,
+                                                bool in_own_world) const {
+  const std::vector<PlaceScore> scores = index_.Query(subject.query.Descriptors());
+  const auto candidates = map.Read([&](const Map& locked) {
+    return ProposePlaces(locked, scores, kLoopCandidates, [&](const Keyframe& keyframe) {
+      return (keyframe.world == subject.world) == in_own_world && !subject.around.contains(keyframe.id);
+    });
+  });
+  for (const KeyframeId candidate : candidates) {
+    const auto [plan, probabilities] = map.Read([&](const Map& locked) {
+      return std::pair(PlanPlace(locked, candidate), &locked.probabilities());
+    });
+    if (!plan) {
+      continue;
+    }
+    auto found = VerifyPlace(subject.query, *plan, *probabilities, pyramid_, pose_);
+    if (!found || !IsWithin(*found, kLoopBounds)) {
+      continue;
+    }
+    const std::optional<int> wanted = in_own_world ? WitnessesWanted(map, subject, *found) : 1;
+    if (wanted && IsWitnessed(map, subject, *found, *wanted)) {
+      return found;
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<int> LoopCloser::WitnessesWanted(const MapAccess& map, const Subject& subject,
+                                               const PlaceFound& found) {
+  const Rigid3 shift = found.camera_from_world * subject.camera_from_world.Inverse();
+  const double way_m = map.Read([&](const Map& locked) {
+    const bool both = locked.Find(found.keyframe) != nullptr && locked.Find(subject.id) != nullptr;
+    return both ? WayBetween(locked, found.keyframe, subject.id) : 0.0;
+  });
+  if (shift.translation.norm() <= kDrift_m + kDriftPerWay * way_m &&
+      AngleOf(shift.rotation) <= kTurn_rad + kTurnPerWay_rad * way_m) {
+    return 1;
+  }
+  return std::ssize(found.matches) >= 2 * kLoopBounds.matches ? std::optional(2) : std::nullopt;
+}
+
+bool LoopCloser::IsWitnessed(const MapAccess& map, const Subject& subject, const PlaceFound& found,
+                             int wanted) const {
+  // Where the keyframe's world lies in that of the place.
+  const Rigid3 place_world_from_own = found.camera_from_world.Inverse() * subject.camera_from_world;
+  for (const KeyframeId witness : subject.witnesses) {
+    struct Question {
+      PlaceQuery query;
+      Rigid3 camera_from_own_world;
+      std::optional<PlaceCandidate> plan;
+      const MovingProbabilities* probabilities = nullptr;
+    };
+    const auto question = map.Read([&](const Map& locked) -> std::optional<Question> {
+      const Keyframe* const keyframe = locked.Find(witness);
+      return keyframe != nullptr
+                 ? std::optional(Question{{keyframe->data, keyframe->labels},
+                                          keyframe->camera_from_world,
+                                          PlanPlace(locked, found.keyframe),
+                                          &locked.probabilities()})
+                 : std::nullopt;
+    });
+    if (!question || !question->plan) {
+      continue;
+    }
+    const Rigid3 expected = question->camera_from_own_world * place_world_from_own.Inverse();
+    const auto seen =
+        VerifyPose(question->query, expected, *question->plan, *question->probabilities, pyramid_, pose_);
+    if (seen && IsWithin(*seen, kWitnessBounds)) {
+      --wanted;
+    }
+    if (wanted <= 0) {
+      return true;
+    }
+  }
+  return false;
+}
+
+std::optional<Closure> LoopCloser::Close(MapAccess& map, KeyframeId keyframe) {
+  const auto subject = Describe(map, keyframe);
+  if (!subject) {
+    return std::nullopt;
+  }
+  if (const auto found = FindAgain(map, *subject, false)) {
+    return MergeWorlds(map, keyframe, *found);
+  }
+  if (const auto found = FindAgain(map, *subject, true)) {
+    return CloseLoop(map, *subject, *found);
+  }
+  return std::nullopt;
+}
+
+std::optional<Closure> LoopCloser::CloseLoop(MapAccess& map, const Subject& subject, const PlaceFound& found) {
+  const KeyframeId keyframe = subject.id;
+  const LoopEdge loop{found.keyframe, keyframe, found.camera_from_keyframe, static_cast<int>(found.matches.size())};
+  const Rigid3 correction = found.camera_from_world.Inverse() * subject.camera_from_world;
+  std::vector<LoopEdge> loops = loops_;
+  loops.push_back(loop);
+  const Rigid3 shift = found.camera_from_world * subject.camera_from_world.Inverse();
+  if (shift.translation.norm() > kNothing_m || AngleOf(shift.rotation) > kNothing_rad) {
+    const EssentialGraph graph =
+        map.Read([&](const Map& locked) { return PlanEssentialGraph(locked, subject.world, loops); });
+    const auto moves = CloseGraph(graph);
+    if (!moves) {
+      log::info("a loop from keyframe {} to {} contradicts the map and is left out", keyframe.value,
+                found.keyframe.value);
+      return std::nullopt;
+    }
+    const bool bent = map.Write([&](Map& locked) {
+      const bool is_current = locked.epoch() == graph.epoch;
+      if (is_current) {
+        locked.Bend(*moves);
+      }
+      return is_current;
+    });
+    if (!bent) {
+      return std::nullopt;  // it is seen again
+    }
+  }
+  loops_ = std::move(loops);
+  Weld(map, keyframe, found);
+  return Closure{keyframe, found.keyframe, subject.world, {}, correction, static_cast<int>(found.matches.size())};
+}
+
+std::optional<Closure> LoopCloser::MergeWorlds(MapAccess& map, KeyframeId keyframe, const PlaceFound& found) {
+  const auto closure = map.Write([&](Map& locked) -> std::optional<Closure> {
+    const Keyframe* const own = locked.Find(keyframe);
+    const Keyframe* const place = locked.Find(found.keyframe);
+    if (own == nullptr || place == nullptr || own->world == place->world) {
+      return std::nullopt;
+    }
+    // By relative poses, as either may have been corrected since.
+    const Rigid3 place_world_from_own = place->camera_from_world.Inverse() * found.camera_from_keyframe.Inverse() *
+                                        own->camera_from_world;
+    const std::size_t own_size = locked.KeyframesIn(own->world);
+    const std::size_t place_size = locked.KeyframesIn(place->world);
+    const bool own_stays = options_.keep == KeptWorld::kCurrent || own_size > place_size ||
+                           (own_size == place_size && own->world < place->world);
+    Closure result{keyframe, found.keyframe, {}, {}, {}, static_cast<int>(found.matches.size())};
+    result.world = own_stays ? own->world : place->world;
+    result.merged = own_stays ? place->world : own->world;
+    result.into_from_from = own_stays ? place_world_from_own.Inverse() : place_world_from_own;
+    if (own_stays) {
+      locked.Merge(found.keyframe, keyframe, result.into_from_from);
+    } else {
+      locked.Merge(keyframe, found.keyframe, result.into_from_from);
+    }
+    return result;
+  });
+  if (closure) {
+    loops_.push_back(
+        {found.keyframe, keyframe, found.camera_from_keyframe, static_cast<int>(found.matches.size())});
+    Weld(map, keyframe, found);
+  }
+  return closure;
+}
+
+// Points that both sides see become one.
+void LoopCloser::Weld(MapAccess& map, KeyframeId keyframe, const PlaceFound& found) {
+  std::vector<KeyframeId> weld = map.Write([&](Map& locked) -> std::vector<KeyframeId> {
+    const Keyframe* const seen_again = locked.Find(keyframe);
+    if (seen_again == nullptr) {
+      return {};
+    }
+    Correction correction;
+    for (const auto& [keypoint, point] : found.matches) {
+      correction.matches.push_back({point, {keyframe, seen_again->pose_revision}, keypoint});
+    }
+    locked.Apply(correction);
+    locked.UpdateCovisibility(keyframe);
+    std::vector<KeyframeId> beside = locked.BestCovisible(keyframe, kWeld);
+    beside.insert(beside.begin(), keyframe);
+    return beside;
+  });
+  const std::vector<PointId> there = map.Read([&](const Map& locked) {
+    std::vector<KeyframeId> around = locked.Find(found.keyframe) != nullptr
+                                         ? locked.BestCovisible(found.keyframe, kWeld)
+                                         : std::vector<KeyframeId>{};
+    around.push_back(found.keyframe);
+    std::erase_if(around, [&](KeyframeId id) { return locked.Find(id) == nullptr; });
+    return PointsToAdjust(locked, around, semantics_);
+  });
+  for (const KeyframeId target : weld) {
+    map.Commit(
+        [&](const Map& locked) {
+          return locked.Find(target) != nullptr ? PlanFusion(locked, target, there) : std::nullopt;
+        },
+        SolveFusion);
+  }
+  map.Write([&](Map& locked) {
+    for (const KeyframeId target : weld) {
+      if (locked.Find(target) != nullptr) {
+        locked.UpdateCovisibility(target);
+      }
+    }
+  });
+}
+
+bool LoopCloser::Adjust(MapAccess& map, WorldId world, const std::function<bool()>& stop) const {
+  std::uint32_t epoch = 0;
+  const auto bundle = map.Read([&](const Map& locked) {
+    epoch = locked.epoch();
+    std::vector<KeyframeId> all;
+    for (const KeyframeId id : locked.keyframes()) {
+      if (locked.At(id).world == locked.Resolve(world)) {
+        all.push_back(id);
+      }
+    }
+    return PlanBundle(locked, all, {}, PointsToAdjust(locked, all, semantics_), semantics_);
+  });
+  if (!bundle) {
+    return false;
+  }
+  bool stopped = false;
+  const BundleResult result = AdjustBundle(bundle->problem, options_.solver, [&] {
+    stopped = stopped || (stop && stop());
+    return stopped;
+  });
+  if (stopped || !result.usable) {
+    return false;
+  }
+  return map.Write([&](Map& locked) {
+    if (locked.epoch() != epoch) {
+      return false;
+    }
+    BendTo(locked, *bundle, result);
+    return true;
+  });
+}
+
+}  // namespace rds

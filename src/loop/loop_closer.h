@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+// Places that are seen again: lost frames found, loops closed, worlds merged.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <unordered_set>
+#include <vector>
+
+#include "loop/essential_graph.h"
+#include "loop/loop_options.h"
+#include "map/map_access.h"
+#include "place/place_search.h"
+
+namespace rds {
+
+// What a keyframe that was seen again led to.
+struct Closure {
+  KeyframeId keyframe;
+  KeyframeId place;  // keyframe that shows the same place
+  WorldId world;     // that both are in now
+  WorldId merged;    // that was merged into it; invalid for a loop
+  Rigid3 into_from_from;  // where what was moved is now: of the merged world, or of the keyframe for a loop
+  int matches = 0;
+};
+
+// Knows no thread; one caller at a time but for Adjust. Publishes nothing: the caller does where a Closure comes back.
+class LoopCloser {
+ public:
+  LoopCloser(const LoopOptions& options, const ScalePyramid& pyramid, const PoseOptimizerOptions& pose, bool semantics);
+
+  // A keyframe that is new, or was labeled since: by its static part it is found from now on.
+  void Index(const MapAccess& map, KeyframeId keyframe);
+  // Where in the map, in whatever world, a frame was taken.
+  [[nodiscard]] std::optional<PlaceFound> Relocalize(const MapAccess& map, const PlaceQuery& query) const;
+  // Looks for the place of a keyframe elsewhere in the map: in its own world among what is not covisible with it and
+  // around it, which is a loop, or in another, which is merged. Both need a witness: a keyframe beside it whose pose is
+  // confirmed by what that implies. Corrects the map.
+  [[nodiscard]] std::optional<Closure> Close(MapAccess& map, KeyframeId keyframe);
+  // Full bundle adjustment of a world, on a copy; nothing of it is kept if `stop` says so or if many poses of the map
+  // have changed since. Whether it was applied. May run beside the rest.
+  [[nodiscard]] bool Adjust(MapAccess& map, WorldId world, const std::function<bool()>& stop) const;
+
+  [[nodiscard]] const PlaceIndex& index() const { return index_; }
+
+ private:
+  // A keyframe that may be seen again, with all that is asked of the map at once.
+  struct Subject {
+    KeyframeId id;
+    PlaceQuery query;
+    WorldId world;
+    Rigid3 camera_from_world;
+    std::unordered_set<KeyframeId> around;  // what tracking sees anyway
+    std::vector<KeyframeId> witnesses;      // best covisible ones
+  };
+
+  [[nodiscard]] std::optional<Subject> Describe(const MapAccess& map, KeyframeId keyframe) const;
+  [[nodiscard]] std::optional<PlaceFound> FindAgain(const MapAccess& map, const Subject& subject,
+                                                    bool in_own_world) const;
+  [[nodiscard]] bool IsWitnessed(const MapAccess& map, const Subject& subject, const PlaceFound& found,
+                                 int wanted) const;
+  // How many witnesses a loop needs; none where too little is seen for so large a correction.
+  [[nodiscard]] static std::optional<int> WitnessesWanted(const MapAccess& map, const Subject& subject,
+                                                          const PlaceFound& found);
+  [[nodiscard]] std::optional<Closure> CloseLoop(MapAccess& map, const Subject& subject, const PlaceFound& found);
+  [[nodiscard]] std::optional<Closure> MergeWorlds(MapAccess& map, KeyframeId keyframe, const PlaceFound& found);
+  void Weld(MapAccess& map, KeyframeId keyframe, const PlaceFound& found);
+  void DropErased(const MapAccess& map);
+
+  LoopOptions options_;
+  ScalePyramid pyramid_;
+  PoseOptimizerOptions pose_;
+  bool semantics_;
+  PlaceIndex index_;
+  std::vector<LoopEdge> loops_;
+  int indexed_ = 0;  // keyframes since erased ones were dropped
+};
+
+}  // namespace rds

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where in the map a frame was taken, whatever came before it.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "map/local_map.h"
+#include "optim/optim_options.h"
+#include "place/explained_share.h"
+#include "place/place_index.h"
+
+namespace rds {
+
+// A frame whose place is asked for.
+struct PlaceQuery {
+  std::shared_ptr<const FrameData> data;
+  std::vector<KeypointLabel> labels;  // one for each keypoint; empty: it has no label (yet)
+
+  // Those of keypoints that are not known as dynamic.
+  [[nodiscard]] std::vector<Descriptor> Descriptors() const;
+};
+
+// What a keyframe is indexed by: its keypoints that show points, without what is dynamic.
+[[nodiscard]] std::vector<Descriptor> IndexedDescriptors(const Map& map, KeyframeId keyframe);
+
+// The keyframes that look most like a query, best first: by their own score and those of the keyframes that see most of
+// the same points, one only of those that are alike in that. `is_wanted` says which may be named.
+[[nodiscard]] std::vector<KeyframeId> ProposePlaces(const Map& map, std::span<const PlaceScore> scores,
+                                                    std::size_t most,
+                                                    const std::function<bool(const Keyframe&)>& is_wanted);
+
+// The surroundings of a keyframe, to hold a query against. A copy.
+struct PlaceCandidate {
+  struct View {
+    std::shared_ptr<const FrameData> data;
+    Rigid3 camera_from_world;
+    std::vector<KeypointLabel> labels;  // as in Keyframe
+  };
+  KeyframeId keyframe;
+  WorldId world;
+  Rigid3 keyframe_from_world;
+  std::shared_ptr<const LocalMap> map;
+  std::vector<std::uint32_t> points;  // of the map: those that it and its best covisible keyframes see
+  std::vector<View> views;            // itself and the best covisible ones
+};
+
+// Nothing if the keyframe is gone.
+[[nodiscard]] std::optional<PlaceCandidate> PlanPlace(const Map& map, KeyframeId keyframe);
+
+// A pose that a query may have.
+struct PlaceFound {
+  KeyframeId keyframe;
+  WorldId world;
+  Rigid3 camera_from_world;
+  Rigid3 camera_from_keyframe;
+  Eigen::Matrix<double, 6, 6> information = Eigen::Matrix<double, 6, 6>::Zero();  // as in PoseResult
+  std::vector<std::pair<std::uint32_t, PointId>> matches;  // keypoint and point, those that agree with the pose
+  SurfaceAgreement surfaces;                               // of the query with the views of the place
+  std::shared_ptr<const LocalMap> map;
+};
+
+// What a pose is worth depends on what hangs on it: a lost camera looks again in the next frame, a loop bends a map.
+struct PlaceBounds {
+  int matches = 0;
+  double surfaces = 0;  // share of what can be judged
+  int judged = 0;       // samples
+};
+inline constexpr PlaceBounds kRelocalizationBounds{30, 0.80, 200};
+inline constexpr PlaceBounds kLoopBounds{50, 0.85, 200};
+
+[[nodiscard]] inline bool IsWithin(const PlaceFound& found, const PlaceBounds& bounds) {
+  return std::ssize(found.matches) >= bounds.matches && found.surfaces.Judged() >= bounds.judged &&
+         found.surfaces.Share() >= bounds.surfaces;
+}
+
+// Looks for the pose of a query in a candidate's surroundings: matches by appearance, RANSAC over 3-D to 3-D
+// alignments, optimization, more matches around the projections of all points there; then the depth images are held
+// against each other, for a number of matches does not make a pose right: over real recordings wrong ones had up to
+// 118, and right ones 30. Nothing where too few matches agree on one. Of a query without labels only what the views saw
+// is asked, as people may stand in it. Re-entrant; the same input gives the same pose.
+[[nodiscard]] std::optional<PlaceFound> VerifyPlace(const PlaceQuery& query, const PlaceCandidate& candidate,
+                                                    const MovingProbabilities& probabilities,
+                                                    const ScalePyramid& pyramid,
+                                                    const PoseOptimizerOptions& options = {});
+
+// The pose of a query in the same surroundings, looked for around one that is expected.
+[[nodiscard]] std::optional<PlaceFound> VerifyPose(const PlaceQuery& query, const Rigid3& camera_from_world,
+                                                   const PlaceCandidate& candidate,
+                                                   const MovingProbabilities& probabilities,
+                                                   const ScalePyramid& pyramid,
+                                                   const PoseOptimizerOptions& options = {});
+
+}  // namespace rds
