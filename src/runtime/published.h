@@ -17,6 +17,15 @@ class Published {
     value_.swap(value);  // the old value is destroyed with the argument, after the lock is released
   }
 
+  // Unless the present value goes before it: `is_older(value, present)`.
+  template <typename Compare>
+  void PublishUnless(std::shared_ptr<const T> value, Compare&& is_older) {
+    const std::lock_guard lock(mutex_);
+    if (value_ == nullptr || !is_older(*value, *value_)) {
+      value_.swap(value);
+    }
+  }
+
   // The latest value; null before the first.
   [[nodiscard]] std::shared_ptr<const T> Get() const {
     const std::lock_guard lock(mutex_);

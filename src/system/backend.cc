@@ -38,7 +38,12 @@ LockTimes Backend::lock_times() const {
 }
 
 void Backend::PublishLocalMap(KeyframeId around) {
-  local_map_.Publish(Read([&](const Map& map) { return BuildLocalMap(map, around, local_map_options_); }));
+  Publish(Read([&](const Map& map) { return BuildLocalMap(map, around, local_map_options_); }));
+}
+
+void Backend::Publish(std::shared_ptr<const LocalMap> map) {
+  local_map_.PublishUnless(std::move(map),
+                           [](const LocalMap& one, const LocalMap& present) { return one.epoch < present.epoch; });
 }
 
 void Backend::PublishView() {

@@ -24,6 +24,8 @@ class Backend final : public MapAccess {
 
   // Publishes the surroundings of a keyframe for tracking.
   void PublishLocalMap(KeyframeId around);
+  // Publishes a snapshot, unless many poses have changed since it was made.
+  void Publish(std::shared_ptr<const LocalMap> map);
   // Publishes the whole map for drawing, if that is wanted.
   void PublishView();
   // The newest ones. No lock but that of the mailbox. Null before the first local map; a view is never null.

@@ -20,17 +20,33 @@ std::unique_ptr<Tracker> FrontEnd::MakeTracker() const {
 
 TrackOutcome FrontEnd::Track(const IncomingFrame& frame, std::shared_ptr<const LocalMap> map,
                              std::shared_ptr<const PropagatedLabels> labels) {
+  if (map != nullptr && map->epoch != epoch_) {  // what was propagated in the old world is of no use in the new one
+    epoch_ = map->epoch;
+    executor_.RestartPropagation();
+    labels = nullptr;
+  }
   TrackOutcome outcome =
       tracker_->Track(frame.id, frame.timestamp_s, frame.data, std::move(map), executor_.Status(), std::move(labels));
   trajectory_.Add(frame.id, frame.timestamp_s, outcome);
+  if (outcome.current_from_last) {
+    odometry_from_camera_ = odometry_from_camera_ * outcome.current_from_last->Inverse();
+  }
+  if (outcome.tracked) {
+    lost_since_.reset();
+  } else if (!lost_since_) {
+    lost_since_ = frame.id;
+  }
   return outcome;
 }
 
 void FrontEnd::Map(KeyframeCandidate& candidate) {
   const bool starts_world = !candidate.reference.valid();
   const KeyframeId id = lanes_.mapping.Map(candidate, [] { return false; });
+  lanes_.Learn(id);
   if (starts_world) {
     trajectory_.HangLastOn(id);
+    Record(SlamEventKind::kWorldStarted,
+           lanes_.backend.Read([&](const rds::Map& map) { return map.WorldOf(id); }), 0);
   }
 }
 
@@ -66,7 +82,7 @@ std::optional<TrackOutcome> FrontEnd::BeginAnew(const IncomingFrame& frame) {
   if (!executor_.Status().mapping_idle) {
     return std::nullopt;
   }
-  StartAgain(1);
+  StartAgain(frame.id, trajectory_.Has(frame.id) ? 1 : 0);
   TrackOutcome outcome = Track(frame, nullptr, nullptr);
   MapKeyframeNow(frame);
   outcome.wants_keyframe = false;  // it is one
@@ -79,13 +95,39 @@ void FrontEnd::AskForLabel(const IncomingFrame& frame, bool again) {
 
 void FrontEnd::Propagate(const IncomingFrame& frame, const TrackOutcome& outcome) {
   if (outcome.tracked) {
-    executor_.Propagate({frame.id, frame.data, outcome.camera_from_world, lanes_.semantics.LabeledViews()});
+    executor_.Propagate({frame.id, frame.data, outcome.camera_from_world, lanes_.semantics.LabeledViews(epoch_)});
   }
 }
 
-void FrontEnd::StartAgain(std::size_t frames) {
+void FrontEnd::AskForPlace(const IncomingFrame& frame) { lanes_.Find({frame.id, frame.data}); }
+
+bool FrontEnd::GoOnWhereFound() {
+  const auto place = lanes_.loops.NewestPlace();
+  if (!lost_since_ || place == nullptr || place->frame < *lost_since_ || !executor_.Status().mapping_idle) {
+    return false;
+  }
+  lost_since_.reset();  // it is used once
+  const auto present = CurrentLocalMap();
+  if (present != nullptr && present->epoch > place->map->epoch) {
+    return false;  // the map has been corrected since
+  }
+  lanes_.backend.Publish(place->map);
+  tracker_->Relocate(place->reference, place->camera_from_reference);
+  Record(SlamEventKind::kRelocalized, place->map->world, place->matches);
+  return true;
+}
+
+void FrontEnd::Record(SlamEventKind kind, WorldId world, int matches) {
+  SlamEvent event;
+  event.kind = kind;
+  event.world = world;
+  event.matches = matches;
+  lanes_.loops.Record(event);
+}
+
+void FrontEnd::StartAgain(FrameId first, std::size_t frames) {
   tracker_ = MakeTracker();
-  trajectory_.GiveUp(frames);
+  trajectory_.GiveUp(first, frames);
   executor_.RestartPropagation();
 }
 

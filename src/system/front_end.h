@@ -37,14 +37,21 @@ class FrontEnd {
   // Keypoints with depth, static if that is known, that a map needs to begin with.
   [[nodiscard]] int LeastToBegin() const { return options_.tracking.min_start_points; }
   [[nodiscard]] bool CanBeginWith(const IncomingFrame& frame) const;
-  // Forgets all poses and begins another world of the map with a frame just lost. Nothing while mapping is busy.
+  // Begins another world of the map with a frame just lost. Nothing while mapping is busy.
   [[nodiscard]] std::optional<TrackOutcome> BeginAnew(const IncomingFrame& frame);
   // Has a frame labeled that is no keyframe yet, or is labeled `again`.
   void AskForLabel(const IncomingFrame& frame, bool again);
   // Hands a tracked frame to the propagation of labels.
   void Propagate(const IncomingFrame& frame, const TrackOutcome& outcome);
-  // Forgets all poses and propagated labels: so many frames are to come again. The map stays.
-  void StartAgain(std::size_t frames);
+  // Forgets the poses of a frame and of those after it, of which so many are to come again, and propagated labels. The
+  // map stays.
+  void StartAgain(FrameId first, std::size_t frames);
+  // Looks for a frame just lost in all of the map.
+  void AskForPlace(const IncomingFrame& frame);
+  // Goes on where an earlier frame was found, if one was since tracking was lost. Whether it was.
+  bool GoOnWhereFound();
+  // Poses in a frame of their own that never jumps while tracked: the motion from frame to frame, added up.
+  [[nodiscard]] const Rigid3& odometry_from_camera() const { return odometry_from_camera_; }
   // The pose of the last frame is that of a keyframe.
   void HangLastOn(KeyframeId keyframe) { trajectory_.HangLastOn(keyframe); }
 
@@ -57,6 +64,7 @@ class FrontEnd {
 
  private:
   [[nodiscard]] std::unique_ptr<Tracker> MakeTracker() const;
+  void Record(SlamEventKind kind, WorldId world, int matches);
   void Map(KeyframeCandidate& candidate);
   void Label(const IncomingFrame& frame);
 
@@ -66,6 +74,9 @@ class FrontEnd {
   Executor& executor_;
   std::unique_ptr<Tracker> tracker_;
   TrajectoryRecorder trajectory_;
+  Rigid3 odometry_from_camera_;
+  std::optional<FrameId> lost_since_;
+  std::uint32_t epoch_ = 0;  // of the map that the last frame was tracked in
 };
 
 }  // namespace rds

@@ -19,16 +19,37 @@ void LockstepExecutor::RestartPropagation() {
 }
 
 void LockstepExecutor::BeginFrame(FrameId frame) {
+  SeePlaces();
   if (round_ && round_->due_frame <= frame.value) {
     Deliver();
   }
   SelectNext(frame);
 }
 
+void LockstepExecutor::SeePlaces() {
+  for (bool more = true; more;) {
+    PlaceWork work;
+    lanes_->places.Write([&](PlaceWork& waiting) { std::swap(work, waiting); });
+    more = work.HasWork();
+    if (work.lost) {
+      lanes_->loops.Find(*work.lost);
+    }
+    bool bundle_due = false;
+    for (const KeyframeId keyframe : work.keyframes) {
+      bundle_due = lanes_->loops.Learn(keyframe, false) || bundle_due;
+    }
+    if (bundle_due && options_.loop.bundle) {
+      lanes_->loops.Adjust({});
+    }
+  }
+}
+
 void LockstepExecutor::Deliver() {
   std::vector<BacklogItem> items = std::move(round_->items);
   round_.reset();
-  lanes_->semantics.Apply(lanes_->semantics.Segment(std::move(items)));
+  const LabeledRound round = lanes_->semantics.Segment(std::move(items));
+  lanes_->semantics.Apply(round);
+  lanes_->Learn(round);
 }
 
 void LockstepExecutor::SelectNext(FrameId frame) {
@@ -53,7 +74,7 @@ WorkerStatus LockstepExecutor::Status() const {
 }
 
 bool LockstepExecutor::Map(KeyframeCandidate& candidate) {
-  lanes_->mapping.Map(candidate, [] { return false; });
+  lanes_->Learn(lanes_->mapping.Map(candidate, [] { return false; }));
   return true;
 }
 
@@ -79,8 +100,11 @@ void LockstepExecutor::Finish() {
       }
       SelectNext(FrameId{0});
       if (!round_) {
-        return;
+        break;
       }
+    }
+    if (!lanes_->failure.Happened()) {
+      SeePlaces();
     }
   } catch (...) {
     lanes_->failure.Set(std::current_exception());

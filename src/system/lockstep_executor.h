@@ -33,6 +33,8 @@ class LockstepExecutor final : public Executor {
   };
 
   void Deliver();
+  // What the loop lane has to do.
+  void SeePlaces();
   // Selects what goes next; the labels are due some frames after `frame`.
   void SelectNext(FrameId frame);
 

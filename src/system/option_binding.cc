@@ -103,6 +103,16 @@ void BindSemantic(SemanticOptions& options, OptionTable& table) {
              "correct the poses of keyframes once they are labeled (section VI-A of the paper)");
 }
 
+void BindLoop(LoopOptions& options, AtlasOptions& atlas, OptionTable& table) {
+  table.Flag("loop.enabled", options.enabled,
+             "recognize places: close loops, merge worlds, look for a lost camera in all of the map");
+  table.Flag("loop.bundle", options.bundle, "full bundle adjustment after a loop or a merge, in the background");
+  table.Real("atlas.patience_s", atlas.patience_s, 0, 3600,
+             "seconds of usable frames without a pose after which a new world begins; 0 = never");
+  table.Choice("atlas.keep", options.keep, {{"larger", KeptWorld::kLarger}, {"current", KeptWorld::kCurrent}},
+               "which of two worlds keeps its coordinates when they are merged: the larger, or that of the camera");
+}
+
 void BindSegmenter(SegmenterOptions& options, OptionTable& table) {
   table.Real(
       "semantic.stored.delay_ms", options.stored_delay_ms, 0, 3.6e6,
@@ -152,6 +162,7 @@ OptionTable BindOptions(Options& options) {
   BindMapping(options.mapping, options.local_map, table);
   BindSemantic(options.semantic, table);
   BindSegmenter(options.segmenter, table);
+  BindLoop(options.loop, options.atlas, table);
   return table;
 }
 

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "feature/orb_options.h"
+#include "loop/loop_options.h"
 #include "map/map_options.h"
 #include "mapping/mapping_options.h"
 #include "optim/optim_options.h"
@@ -45,6 +46,10 @@ struct SemanticOptions {
   SemanticOptimizerOptions optimizer;
 };
 
+struct AtlasOptions {
+  double patience_s = 1;  // of frames that a map could begin with, all of them lost: then another world begins; 0 = never
+};
+
 struct Options {
   SystemOptions system;
   OrbOptions orb;
@@ -54,6 +59,8 @@ struct Options {
   LocalMapOptions local_map;
   MappingOptions mapping;
   SemanticOptions semantic;
+  LoopOptions loop;
+  AtlasOptions atlas;
   SegmenterOptions segmenter;  // for MakeSegmenter; the system itself takes a ready one
 };
 

@@ -75,7 +75,13 @@ void FillFrameResult(const TrackOutcome& outcome, const FrameData& data, const L
   if (const std::int64_t labeled = lanes.semantics.newest_labeled(); labeled >= 0) {
     result->semantic_delay_frames = static_cast<int>(static_cast<std::int64_t>(result->frame.value) - labeled);
   }
-  if (const auto map = lanes.backend.CurrentLocalMap()) {
+  const auto map = lanes.backend.CurrentLocalMap();
+  if (outcome.tracked) {
+    const bool starts_world = !outcome.world.valid() && map != nullptr;  // it is what there is
+    result->world = starts_world ? map->world : outcome.world;
+    result->epoch = starts_world ? map->epoch : outcome.epoch;
+  }
+  if (map != nullptr) {
     result->keyframes_in_map = map->keyframes_in_map;
     result->points_in_map = map->points_in_map;
   }
@@ -89,11 +95,21 @@ void FillFrameResult(const TrackOutcome& outcome, const FrameData& data, const L
 
 void FillSlamResult(const Lanes& lanes, SlamResult* result) {
   lanes.backend.Read([&](const Map& map) {
-    for (const KeyframeId id : map.keyframes()) {
-      const Keyframe& keyframe = map.At(id);
-      result->keyframes.push_back({keyframe.timestamp_s, keyframe.camera_from_world.Inverse()});
+    for (WorldTrajectory& world : result->worlds) {
+      for (const KeyframeId id : map.keyframes()) {
+        const Keyframe& keyframe = map.At(id);
+        if (keyframe.world == world.world) {
+          world.keyframes.push_back({keyframe.timestamp_s, keyframe.camera_from_world.Inverse()});
+        }
+      }
+      result->tracked_frames += static_cast<int>(world.frames.size());
     }
   });
+  if (!result->worlds.empty()) {
+    result->frames = result->worlds.front().frames;
+    result->keyframes = result->worlds.front().keyframes;
+  }
+  result->events = lanes.loops.events();
   result->local_ba_ms = lanes.mapping.local_ba_ms();
   result->labels = lanes.semantics.events();
   result->segmentation_failures = lanes.semantics.failures();

@@ -145,7 +145,7 @@ void SemanticLane::PublishLabeledViews(const LabeledRound& round) {
     labeled_.resize(kFreeSpaceViews);
   }
   auto views = std::make_shared<std::vector<DepthView>>(labeled_);
-  backend_.Read([&](const Map& map) {  // the poses as they are now; a keyframe may be gone or not be there yet
+  const std::uint32_t epoch = backend_.Read([&](const Map& map) {  // the poses as they are now; a keyframe may be gone or not be there yet
     std::erase_if(*views, [&](DepthView& view) {
       const Keyframe* const keyframe = map.FindByFrame(view.frame);
       if (keyframe != nullptr) {
@@ -153,8 +153,9 @@ void SemanticLane::PublishLabeledViews(const LabeledRound& round) {
       }
       return keyframe == nullptr;
     });
+    return map.epoch();
   });
-  views_.Publish(std::move(views));
+  views_.Publish(std::make_shared<const Views>(Views{epoch, std::move(views)}));
 }
 
 LabelEvent SemanticLane::ApplyMask(const BacklogItem& item, const Image8& mask, bool certain) {

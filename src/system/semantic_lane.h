@@ -47,8 +47,12 @@ class SemanticLane {
   // Asks the back end to give up.
   void Cancel();
 
-  // The newest labeled keyframes with their poses, newest first; null before the first label.
-  [[nodiscard]] std::shared_ptr<const std::vector<DepthView>> LabeledViews() const { return views_.Get(); }
+  // The newest labeled keyframes with their poses in that epoch of the map, newest first; null before the first label, and
+  // where all are older.
+  [[nodiscard]] std::shared_ptr<const std::vector<DepthView>> LabeledViews(std::uint32_t epoch) const {
+    const auto newest = views_.Get();
+    return newest != nullptr && newest->epoch == epoch ? newest->views : nullptr;
+  }
   [[nodiscard]] MaskView NewestMask() const;
   // What the newest mask leaves of its frame; nothing before the first. Its labels are in the map.
   struct Answer {
@@ -66,6 +70,10 @@ class SemanticLane {
   [[nodiscard]] int failures() const;
 
  private:
+  struct Views {
+    std::uint32_t epoch = 0;
+    std::shared_ptr<const std::vector<DepthView>> views;
+  };
   struct Metrics {
     std::vector<LabelEvent> events;
     int failures = 0;
@@ -92,7 +100,7 @@ class SemanticLane {
   Published<Answer> answer_;
   int segmentation_warnings_ = 0;
   std::vector<DepthView> labeled_;  // the newest ones, newest first
-  Published<std::vector<DepthView>> views_;
+  Published<Views> views_;
   std::atomic<std::int64_t> newest_labeled_ = -1;
   std::atomic<std::uint32_t> current_frame_ = 0;
 };

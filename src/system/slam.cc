@@ -47,11 +47,11 @@ class Slam::Impl {
         startup_(lanes_->semantics.HasSegmenter() && options.tracking.association.use_semantics
                      ? options.semantic.start_frames
                      : 0,
-                 options_.semantic.motion) {}
+                 options_.semantic.motion, options.atlas.patience_s) {}
 
   FrameResult Process(const RgbdFrame& frame);
   SlamResult Finish();
-  [[nodiscard]] const Lanes& lanes() const { return *lanes_; }
+  [[nodiscard]] Lanes& lanes() { return *lanes_; }
 
  private:
   FrameResult TrackFrame(const RgbdFrame& frame);
@@ -95,7 +95,11 @@ FrameResult Slam::Impl::TrackFrame(const RgbdFrame& frame) {
   result.frame = FrameId{frames_++};
   result.timestamp_s = frame.timestamp_s;
   lanes_->semantics.SetCurrentFrame(result.frame);
+  lanes_->loops.SetCurrentFrame(result.frame, frame.timestamp_s);
   executor_->BeginFrame(result.frame);
+  if (front_end_.GoOnWhereFound()) {
+    startup_.GoOnElsewhere();
+  }
   startup_.TrackAgainIfLabeled(front_end_);
 
   const std::shared_ptr<const PropagatedLabels> labels = executor_->NewestLabels(result.frame);
@@ -110,6 +114,9 @@ FrameResult Slam::Impl::TrackFrame(const RgbdFrame& frame) {
   TrackOutcome outcome = front_end_.Track(incoming, front_end_.CurrentLocalMap(), labels);
   result.is_keyframe = startup_.BeginAnewIfLost(incoming, front_end_, outcome) ||
                        (outcome.wants_keyframe && !startup_.HoldsKeyframes() && front_end_.OfferKeyframe(incoming));
+  if (!outcome.tracked && !front_end_.trajectory().empty()) {
+    front_end_.AskForPlace(incoming);
+  }
   if (!startup_.HoldsKeyframes()) {  // else poses may follow what moves, and space that they empty is not empty
     front_end_.Propagate(incoming, outcome);
   }
@@ -120,6 +127,9 @@ FrameResult Slam::Impl::TrackFrame(const RgbdFrame& frame) {
                                                    : TrackingState::kLost;
   confidence_.Add(outcome.confidence, lanes_->semantics.HasSegmenter());
   FillFrameResult(outcome, *incoming.data, *lanes_, options_.system.keep_features, &result);
+  if (outcome.tracked) {
+    result.odometry_from_camera = front_end_.odometry_from_camera();
+  }
   return result;
 }
 
@@ -132,9 +142,8 @@ SlamResult Slam::Impl::Finish() {
   executor_->Finish();
   SlamResult result;
   result.error = lanes_->failure.Get();
-  result.frames = lanes_->backend.Read([&](const Map& map) { return front_end_.trajectory().Resolve(map); });
+  result.worlds = lanes_->backend.Read([&](const Map& map) { return front_end_.trajectory().Resolve(map); });
   result.processed_frames = static_cast<int>(frames_);
-  result.tracked_frames = static_cast<int>(result.frames.size());
   result.lost_frames = front_end_.trajectory().lost();
   FillSlamResult(*lanes_, &result);
   return result;
@@ -154,6 +163,8 @@ std::shared_ptr<const MapView> Slam::ViewMap() const { return impl_->lanes().bac
 std::vector<std::string> Slam::ValidateMap() const {
   return impl_->lanes().backend.Read([](const Map& map) { return map.Validate(); });
 }
+
+std::vector<SlamEvent> Slam::TakeEvents() { return impl_->lanes().loops.TakeEvents(); }
 
 MaskView Slam::ViewMask() const { return impl_->lanes().semantics.NewestMask(); }
 

@@ -11,6 +11,8 @@
 #include "base/image.h"
 #include "geometry/rigid3.h"
 #include "geometry/trajectory.h"
+#include "system/slam_event.h"
+#include "system/trajectory_recorder.h"
 
 namespace rds {
 
@@ -51,8 +53,10 @@ struct LockSummary {
 
 // Outcome of a run.
 struct SlamResult {
-  Trajectory frames;     // one pose for each tracked frame, with all later corrections of its reference keyframe
-  Trajectory keyframes;  // keyframes that are in the map at the end
+  Trajectory frames;     // as in the largest world
+  Trajectory keyframes;
+  std::vector<WorldTrajectory> worlds;  // those with tracked frames, most frames first; the first one is that above
+  std::vector<SlamEvent> events;        // in order
   int processed_frames = 0;
   int tracked_frames = 0;
   int lost_frames = 0;

@@ -15,6 +15,7 @@ constexpr int kMostVoid = 90;                         // frames more to wait whe
 constexpr int kPatience = 15;                         // frames lost on end while a better label is awaited
 constexpr int kYoung = 100;                           // frames tracked: what is older is not begun anew
 constexpr int kLeastLost = 5;
+constexpr double kGap_s = 0.2;  // a frame counts for so long at most
 constexpr double kLeastLeft = 0.4;  // of what the map began with: with less that was something before the lens
 
 }  // namespace
@@ -56,7 +57,7 @@ void Startup::TrackAgain(std::size_t first, FrontEnd& front_end) {
   const bool first_is_mapped = first == 0;
   const std::vector<IncomingFrame> frames(frames_.begin() + static_cast<std::ptrdiff_t>(first), frames_.end());
   frames_.clear();
-  front_end.StartAgain(frames.size());
+  front_end.StartAgain(first_, frames.size());
   std::shared_ptr<const LocalMap> map;  // none for the first frame: it is the first keyframe
   FrameId keyframe;
   for (const IncomingFrame& frame : frames) {
@@ -95,17 +96,22 @@ void Startup::Ask(const IncomingFrame& frame, FrontEnd& front_end) {
 }
 
 bool Startup::BeginAnewIfLost(const IncomingFrame& frame, FrontEnd& front_end, TrackOutcome& outcome) {
-  if (front_end.trajectory().empty() || tracked_ > kYoung) {
+  const double seconds = std::min(frame.timestamp_s - std::exchange(last_s_, frame.timestamp_s), kGap_s);
+  if (front_end.trajectory().empty()) {
     return false;
   }
+  const bool is_usable = front_end.CanBeginWith(frame);
   tracked_ += outcome.tracked ? 1 : 0;
-  lost_ = outcome.tracked ? 0 : lost_ + (front_end.CanBeginWith(frame) ? 1 : 0);
-  const bool is_lost = lost_ >= std::max(kLeastLost, tracked_);
+  lost_ = outcome.tracked ? 0 : lost_ + (is_usable ? 1 : 0);
+  lost_s_ = outcome.tracked ? 0 : lost_s_ + (is_usable ? seconds : 0);
+  const bool is_young = tracked_ <= kYoung;
+  const bool is_lost = lost_ >= kLeastLost && ((is_young && lost_ >= tracked_) ||
+                                               (patience_s_ > 0 && lost_s_ >= patience_s_));
   // Before the first label poses may follow what moves, and say nothing of what is left.
   const auto answer = front_end.NewestAnswer();
   const bool is_labeled = !waiting_ || (answer && answer->frame == asked_);
-  const bool is_elsewhere = is_labeled && front_end.LeftOfReference().value_or(1) < kLeastLeft;
-  if ((!is_lost && !is_elsewhere) || !front_end.CanBeginWith(frame)) {
+  const bool is_elsewhere = is_young && is_labeled && front_end.LeftOfReference().value_or(1) < kLeastLeft;
+  if ((!is_lost && !is_elsewhere) || !is_usable) {
     return false;
   }
   if (waiting_ && HasUsableLabel(front_end)) {  // what there was before the lens may be labeled: tracked again first
@@ -117,17 +123,33 @@ bool Startup::BeginAnewIfLost(const IncomingFrame& frame, FrontEnd& front_end, T
   if (!begun) {
     return false;
   }
-  log::info("the map of {} frames is lost and begins anew with frame {}", tracked_, frame.id.value);
+  log::info("lost after {} frames; another world begins with frame {}", tracked_, frame.id.value);
   outcome = std::move(*begun);
+  BeginWorld(frame.id);
+  waiting_ = most_frames_ > 0;
+  tracked_ = 1;
+  return true;
+}
+
+void Startup::BeginWorld(FrameId first) {
   frames_.clear();
+  first_ = first;
   begin_ = 0;
-  asked_ = frame.id;
+  asked_ = first;
   ask_ = false;
   asked_again_ = false;
   waited_again_ = 0;
-  tracked_ = 1;
+  weak_ = false;
+  waited_ = 0;
+  lost_waiting_ = 0;
   lost_ = 0;
-  return true;
+  lost_s_ = 0;
+}
+
+void Startup::GoOnElsewhere() {
+  BeginWorld({});
+  waiting_ = false;
+  tracked_ = kYoung + 1;  // it was tracked in before
 }
 
 void Startup::Keep(const IncomingFrame& frame, const TrackOutcome& outcome, FrontEnd& front_end) {
@@ -136,6 +158,7 @@ void Startup::Keep(const IncomingFrame& frame, const TrackOutcome& outcome, Fron
   }
   if (!asked_.valid()) {
     asked_ = frame.id;
+    first_ = frame.id;
   }
   if (ask_ && front_end.CanBeginWith(frame)) {
     Ask(frame, front_end);

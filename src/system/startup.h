@@ -16,16 +16,20 @@ namespace rds {
 // the map begins with a later frame, the first whose label does; the frames before it have no pose. If tracking stays
 // lost first, all of them are tracked again with keyframes: whatever the labels say, it is all there is.
 //
-// A young map begins anew with what is in view once it has been lost for as long as it was tracked, or when most of
-// what it began with is gone: something was before the lens.
+// Another world begins with what is in view once tracking has been lost for as long as it lasted, or for `patience_s`;
+// a young one also when most of what it began with is gone: something was before the lens. What was tracked stays.
 class Startup {
  public:
   // 0 frames: nothing is held back.
   // `compares`: labels are worth more once there are later frames to compare theirs with.
-  Startup(int most_frames, bool compares) : most_frames_(most_frames), compares_(compares), waiting_(most_frames > 0) {}
+  // `patience_s`: 0 = a world that is not young is never left.
+  Startup(int most_frames, bool compares, double patience_s)
+      : most_frames_(most_frames), compares_(compares), patience_s_(patience_s), waiting_(most_frames > 0) {}
 
   // Whether keyframes are held back for now.
   [[nodiscard]] bool HoldsKeyframes() const { return waiting_ && !frames_.empty(); }
+  // Before each frame, after what was done about places: tracking goes on in a world that is known.
+  void GoOnElsewhere();
   // Before each frame. If a label has come that frames wait for, they are tracked again. Takes as long as that.
   void TrackAgainIfLabeled(FrontEnd& front_end);
   // After each frame, with its outcome: begins the map anew with it if that is due, which makes it a tracked keyframe.
@@ -42,12 +46,15 @@ class Startup {
   [[nodiscard]] bool AwaitsBetter() const { return ask_ || begin_ > 0; }
   // The frames from `first` on.
   void TrackAgain(std::size_t first, FrontEnd& front_end);
+  // Forgets what was awaited.
+  void BeginWorld(FrameId first);
   void Ask(const IncomingFrame& frame, FrontEnd& front_end);
   // Whether the label that has come is the best to be had.
   [[nodiscard]] bool IsFinal(FrontEnd& front_end);
 
   int most_frames_;
   bool compares_;
+  double patience_s_;
   bool waiting_;
   std::vector<IncomingFrame> frames_;  // since the first one that was tracked
   std::size_t begin_ = 0;              // of those: the one that the map is to begin with. The ones before have no image
@@ -58,8 +65,11 @@ class Startup {
   bool ask_ = false;                   // its label leaves nothing: the next frame's is wanted
   int waited_ = 0;                     // frames
   int lost_waiting_ = 0;               // frames on end
-  int tracked_ = 0;                    // frames of this map
+  int tracked_ = 0;                    // frames of this world
   int lost_ = 0;                       // frames on end that had what a map can begin with
+  double lost_s_ = 0;                  // the time of those
+  double last_s_ = 0;                  // when the last frame was
+  FrameId first_;                      // of this world
 };
 
 }  // namespace rds

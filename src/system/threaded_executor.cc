@@ -28,6 +28,7 @@ struct ThreadedExecutor::Shared {
     lanes->failure.Set(std::move(error));
     keyframes.Close();
     lanes->waiting.Write([](Waiting& waiting) { waiting.closing = true; });
+    lanes->places.Write([](PlaceWork& work) { work.closing = true; });
   }
 
   // What a thread runs: an error ends the run instead of the thread alone.
@@ -68,8 +69,16 @@ ThreadedExecutor::ThreadedExecutor(const Options& options, std::shared_ptr<Lanes
       semantics_.emplace(
           Shared::Lane(shared_, [semantic = options_.semantic](Shared& shared) { RunSemantics(shared, semantic); }));
     }
+    if (shared_->lanes->finds_places) {
+      loops_.emplace(Shared::Lane(shared_, RunLoops));
+      if (options_.loop.bundle) {
+        bundles_.emplace(Shared::Lane(shared_, RunBundles));
+      }
+    }
   } catch (...) {
     shared_->keyframes.Close();  // those that run are joined
+    shared_->lanes->waiting.Write([](Waiting& waiting) { waiting.closing = true; });
+    shared_->lanes->places.Write([](PlaceWork& work) { work.closing = true; });
     throw;
   }
 }
@@ -77,13 +86,15 @@ ThreadedExecutor::ThreadedExecutor(const Options& options, std::shared_ptr<Lanes
 ThreadedExecutor::~ThreadedExecutor() {
   shared_->keyframes.Close();
   StopSemantics(false);
+  StopLoops(false);
 }
 
 void ThreadedExecutor::RunMapping(Shared& shared) {
   while (auto candidate = shared.keyframes.Pop()) {
     Worker::UseAllCores();
-    shared.lanes->mapping.Map(*candidate, [&] { return shared.keyframes.Size() > 0; });
+    const KeyframeId id = shared.lanes->mapping.Map(*candidate, [&] { return shared.keyframes.Size() > 0; });
     --shared.to_map;
+    shared.lanes->Learn(id);
   }
 }
 
@@ -118,8 +129,84 @@ void ThreadedExecutor::RunSemantics(Shared& shared, const SemanticOptions& optio
         return;
       }
       lanes.semantics.Apply(round);
+      lanes.Learn(round);
     }
     lanes.waiting.Write([](Waiting& waiting) { waiting.in_flight = false; });
+  }
+}
+
+void ThreadedExecutor::RunLoops(Shared& shared) {
+  constexpr std::size_t kMostBehind = 8;  // keyframes; of more, the oldest are only indexed
+  Lanes& lanes = *shared.lanes;
+  for (;;) {
+    std::optional<LostFrame> lost;
+    std::optional<KeyframeId> keyframe;
+    bool only_index = false;
+    lanes.places.WaitAndWrite([](const PlaceWork& work) { return work.closing || work.HasWork(); },
+                              [&](PlaceWork& work) {
+                                if (work.closing) {
+                                  return;
+                                }
+                                work.in_flight = true;
+                                lost = std::exchange(work.lost, std::nullopt);
+                                if (!lost) {
+                                  only_index = work.keyframes.size() > kMostBehind;
+                                  keyframe = work.keyframes.front();
+                                  work.keyframes.pop_front();
+                                }
+                              });
+    if (!lost && !keyframe) {
+      return;
+    }
+    bool bundle_due = false;
+    if (lost) {
+      lanes.loops.Find(*lost);
+    } else {
+      bundle_due = lanes.loops.Learn(*keyframe, only_index);
+    }
+    lanes.places.Write([&](PlaceWork& work) {
+      work.in_flight = false;
+      work.bundle_due = work.bundle_due || bundle_due;
+    });
+  }
+}
+
+void ThreadedExecutor::RunBundles(Shared& shared) {
+  Lanes& lanes = *shared.lanes;
+  for (;;) {
+    const bool due = lanes.places.WaitAndWrite(
+        [](const PlaceWork& work) { return work.closing || work.bundle_due; },
+        [](PlaceWork& work) {
+          work.adjusting = !work.closing && std::exchange(work.bundle_due, false);
+          return work.adjusting;
+        });
+    if (!due) {
+      return;
+    }
+    lanes.loops.Adjust([&] { return lanes.places.Read([](const PlaceWork& work) { return work.closing; }); });
+    lanes.places.Write([](PlaceWork& work) { work.adjusting = false; });
+  }
+}
+
+void ThreadedExecutor::StopLoops(bool wait_for_places) {
+  if (!loops_) {
+    return;
+  }
+  constexpr double kMost_s = 60;
+  Monitor<PlaceWork>& places = shared_->lanes->places;
+  const bool bundles = bundles_.has_value();
+  const auto is_done = [&](const PlaceWork& work) {
+    return work.closing || (bundles ? work.IsIdle() : !work.HasWork() && !work.in_flight);
+  };
+  if (wait_for_places && !places.WaitFor(kMost_s, is_done)) {
+    log::warn("full bundle adjustment is given up after {} s", kMost_s);
+  }
+  places.Write([](PlaceWork& work) { work.closing = true; });
+  loops_->Join();
+  loops_.reset();
+  if (bundles_) {
+    bundles_->Join();
+    bundles_.reset();
   }
 }
 
@@ -194,6 +281,7 @@ void ThreadedExecutor::Finish() {
   shared_->keyframes.Close();
   mapping_->Join();
   StopSemantics(!shared_->lanes->failure.Happened());
+  StopLoops(!shared_->lanes->failure.Happened());
   propagation_.reset();
 }
 

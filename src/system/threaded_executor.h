@@ -32,12 +32,17 @@ class ThreadedExecutor final : public Executor {
 
   static void RunMapping(Shared& shared);
   static void RunSemantics(Shared& shared, const SemanticOptions& options);
+  static void RunLoops(Shared& shared);
+  static void RunBundles(Shared& shared);
   void StopSemantics(bool wait_for_labels);
+  void StopLoops(bool wait_for_places);
 
   Options options_;
   std::shared_ptr<Shared> shared_;
   std::optional<Worker> mapping_;
   std::optional<Worker> semantics_;
+  std::optional<Worker> loops_;
+  std::optional<Worker> bundles_;
   std::unique_ptr<Propagation> propagation_;
 };
 

@@ -14,12 +14,13 @@ void TrajectoryRecorder::Add(FrameId frame, double timestamp_s, const TrackOutco
   }
 }
 
-void TrajectoryRecorder::GiveUp(std::size_t last_frames) {
-  lost_ += static_cast<int>(entries_.size()) - static_cast<int>(last_frames);
-  entries_.clear();
+void TrajectoryRecorder::GiveUp(FrameId first, std::size_t last_frames) {
+  const auto from = std::ranges::lower_bound(entries_, first, {}, &Entry::frame);
+  lost_ += static_cast<int>(entries_.end() - from) - static_cast<int>(last_frames);
+  entries_.erase(from, entries_.end());
 }
 
-Trajectory TrajectoryRecorder::Resolve(const Map& map) const {
+std::vector<WorldTrajectory> TrajectoryRecorder::Resolve(const Map& map) const {
   // By reference: what the next keyframe that hangs on it has been corrected by since.
   struct Drift {
     double start_s = 0;
@@ -38,7 +39,7 @@ Trajectory TrajectoryRecorder::Resolve(const Map& map) const {
                                                 self->camera_from_world.Inverse() * raw(entry).Inverse()});
     }
   }
-  Trajectory trajectory;
+  std::map<WorldId, Trajectory> trajectories;
   for (const Entry& entry : entries_) {
     if (!entry.reference.valid()) {  // the run ended before the frame became a keyframe
       continue;
@@ -53,9 +54,14 @@ Trajectory TrajectoryRecorder::Resolve(const Map& map) const {
       world_from_camera.rotation =
           Eigen::Quaterniond::Identity().slerp(share, correction.rotation) * world_from_camera.rotation;
     }
-    trajectory.push_back({entry.timestamp_s, world_from_camera});
+    trajectories[map.WorldOf(entry.reference)].push_back({entry.timestamp_s, world_from_camera});
   }
-  return trajectory;
+  std::vector<WorldTrajectory> worlds;
+  for (auto& [world, frames] : trajectories) {
+    worlds.push_back({world, std::move(frames), {}});
+  }
+  std::ranges::stable_sort(worlds, std::ranges::greater(), [](const auto& world) { return world.frames.size(); });
+  return worlds;
 }
 
 }  // namespace rds

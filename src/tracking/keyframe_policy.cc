@@ -29,6 +29,9 @@ bool OrbSlam3Rule(const KeyframeSituation& s, const KeyframePolicyOptions& o) {
 }  // namespace
 
 bool WantsKeyframe(const KeyframeSituation& s, const KeyframePolicyOptions& o) {
+  if (s.frames_since_recovery < 1) {
+    return false;  // a pose found anew is not to be built on before another frame agrees
+  }
   // A segmenter with nothing to do is a label lost: the fresher the keyframe it gets, the shorter the semantic delay.
   if (o.semantic_frames > 0 && s.segmenter_idle && s.frames_since_keyframe >= o.semantic_frames &&
       s.inliers > o.min_inliers) {

@@ -65,9 +65,10 @@ TrackOutcome Tracker::TrackInMap(const WorkerStatus& status) {
   }
   const ExpectedPose expected = Predict(times);
   std::optional<PoseEstimate> coarse = CoarsePose(frame, expected);
-  const bool prior_only = !coarse && expected.prior;
+  const bool relocated = std::exchange(relocated_, false);
+  const bool prior_only = !coarse && (expected.prior || relocated);
   if (prior_only) {  // a blurred picture, say, matches little that was just seen: the map may hold more
-    coarse = PoseEstimate{expected.prior->camera_from_world, expected.prior, {}, {}};
+    coarse = PoseEstimate{expected.camera_from_world, expected.prior, {}, {}};
   }
   if (!coarse) {
     return Lost(times);
@@ -78,6 +79,16 @@ TrackOutcome Tracker::TrackInMap(const WorkerStatus& status) {
     return Lost(times);
   }
   return Tracked(std::move(estimate), status, times);
+}
+
+void Tracker::Relocate(KeyframeId reference, const Rigid3& camera_from_reference) {
+  if (started_ && !current_.tracked) {
+    current_.reference = reference;
+    current_.camera_from_reference = camera_from_reference;
+    current_.points.assign(current_.points.size(), PointId{});
+    map_ = nullptr;  // whatever comes is another one
+    relocated_ = true;
+  }
 }
 
 TrackOutcome Tracker::Start() {
@@ -221,6 +232,11 @@ TrackOutcome Tracker::Tracked(PoseEstimate estimate, const WorkerStatus& status,
   TrackOutcome outcome;
   outcome.tracked = true;
   outcome.camera_from_world = current_.camera_from_world;
+  outcome.world = map_->world;
+  outcome.epoch = map_->epoch;
+  if (last_.tracked) {
+    outcome.current_from_last = current_.camera_from_world * last_.camera_from_world.Inverse();
+  }
   // What moves may have made an old keyframe the reference, from which the pose is then wrong: what comes later
   // corrects the new ones.
   const LocalKeyframe& newest = map_->keyframes.back();

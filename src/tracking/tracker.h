@@ -29,8 +29,11 @@ struct WorkerStatus {
 struct TrackOutcome {
   bool tracked = false;
   Rigid3 camera_from_world;  // valid if tracked
+  WorldId world;             // of the map that it was tracked in, invalid for a frame that starts a world
+  std::uint32_t epoch = 0;   // of that map
   KeyframeId reference;  // the pose hangs on this keyframe, the newest around; invalid for a frame that starts a world
   Rigid3 camera_from_reference;
+  std::optional<Rigid3> current_from_last;  // motion since the last frame, if that was tracked, too
   // Share of the depth image that the pose explains (ExplainedShare) by the view of the oldest keyframe that looks the
   // same way; with semantics of what is known as static.
   std::optional<double> confidence;
@@ -53,6 +56,9 @@ class Tracker {
                      std::shared_ptr<const LocalMap> map, const WorkerStatus& status,
                      std::shared_ptr<const PropagatedLabels> labels);
 
+  // Tells a lost tracker where it is: the next frame is looked for around this pose, in a map that holds the reference.
+  // Without effect on one that is not lost.
+  void Relocate(KeyframeId reference, const Rigid3& camera_from_reference);
   // The frame just tracked as a keyframe; to be called at most once, after Track said wants_keyframe.
   [[nodiscard]] KeyframeCandidate MakeCandidate();
   // Share of what the reference keyframe saw that the newest frame still shows (ExplainedShare), by its pose, or by
@@ -109,6 +115,7 @@ class Tracker {
   FrameLabels labels_;  // of the current frame
   MotionModel motion_;
   bool started_ = false;
+  bool relocated_ = false;  // the last pose is one that was found for it
   int frames_since_keyframe_ = 0;
   std::optional<int> frames_since_recovery_;  // none before the first
   PointUses uses_;

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "system/loop_lane.h"
+
+#include <utility>
+
+#include "base/error.h"
+
+namespace rds {
+
+std::string_view ToString(SlamEventKind kind) {
+  switch (kind) {
+    case SlamEventKind::kWorldStarted:
+      return "world_started";
+    case SlamEventKind::kRelocalized:
+      return "relocalized";
+    case SlamEventKind::kLoopClosed:
+      return "loop_closed";
+    case SlamEventKind::kWorldsMerged:
+      return "worlds_merged";
+  }
+  throw InvariantError("unknown event");
+}
+
+LoopLane::LoopLane(const Options& options, bool semantics, Backend& backend)
+    : options_(options.loop),
+      backend_(backend),
+      closer_(options.loop, ScalePyramid(options.orb.levels, options.orb.scale_factor), options.pose, semantics) {}
+
+void LoopLane::Find(const LostFrame& lost) {
+  if (auto found = closer_.Relocalize(backend_, {lost.data, {}})) {
+    const auto matches = static_cast<int>(found->matches.size());
+    place_.Publish(std::make_shared<const PlacedFrame>(PlacedFrame{
+        lost.frame, found->keyframe, found->camera_from_keyframe, std::move(found->map), matches}));
+  }
+}
+
+bool LoopLane::Learn(KeyframeId keyframe, bool only_index) {
+  closer_.Index(backend_, keyframe);
+  const auto closure = only_index ? std::nullopt : closer_.Close(backend_, keyframe);
+  if (!closure) {
+    return false;
+  }
+  world_.store(closure->world.value, std::memory_order_relaxed);
+  corrections_.fetch_add(1, std::memory_order_relaxed);
+  backend_.PublishLocalMap(backend_.Read([](const Map& map) { return map.newest(); }));
+  backend_.PublishView();
+  SlamEvent event;
+  event.kind = closure->merged.valid() ? SlamEventKind::kWorldsMerged : SlamEventKind::kLoopClosed;
+  event.world = closure->world;
+  event.merged = closure->merged;
+  event.into_from_from = closure->into_from_from;
+  event.matches = closure->matches;
+  Record(event);
+  return true;
+}
+
+void LoopLane::Adjust(const std::function<bool()>& stop) {
+  const std::uint32_t corrections = corrections_.load(std::memory_order_relaxed);
+  const bool adjusted = closer_.Adjust(backend_, WorldId{world_.load(std::memory_order_relaxed)}, [&] {
+    return (stop && stop()) || corrections_.load(std::memory_order_relaxed) != corrections;
+  });
+  if (adjusted) {
+    backend_.PublishLocalMap(backend_.Read([](const Map& map) { return map.newest(); }));
+    backend_.PublishView();
+  }
+}
+
+void LoopLane::SetCurrentFrame(FrameId frame, double timestamp_s) {
+  log_.Write([&](Log& log) {
+    log.frame = frame;
+    log.timestamp_s = timestamp_s;
+  });
+}
+
+void LoopLane::Record(SlamEvent event) {
+  log_.Write([&](Log& log) {
+    event.frame = log.frame;
+    event.timestamp_s = log.timestamp_s;
+    log.events.push_back(event);
+  });
+}
+
+std::vector<SlamEvent> LoopLane::TakeEvents() {
+  return log_.Write([](Log& log) {
+    const auto first = log.events.begin() + static_cast<std::ptrdiff_t>(std::exchange(log.taken, log.events.size()));
+    return std::vector<SlamEvent>(first, log.events.end());
+  });
+}
+
+std::vector<SlamEvent> LoopLane::events() const {
+  return log_.Read([](const Log& log) { return log.events; });
+}
+
+}  // namespace rds
