@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // rds run: a sequence in, trajectory, map figures and report out.
 #include <spdlog/fmt/fmt.h>
+#include <spdlog/fmt/ranges.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -97,12 +98,31 @@ void AddReports(const std::filesystem::path& folder, const PlaySetup& setup, con
   files.push_back({folder / "report.json", report.dump(2, ' ', false, kReplaceBadUtf8) + "\n"});
 }
 
+// Those of a run before, which had more worlds.
+void RemoveWorldFiles(const std::filesystem::path& folder, const std::vector<OutputFile>& files) {
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    const bool is_written = std::ranges::any_of(files, [&](const auto& file) { return file.path == entry.path(); });
+    if (name.starts_with("trajectory.world-") && name.ends_with(".txt") && !is_written) {
+      std::error_code error;
+      if (!std::filesystem::remove(entry.path(), error)) {
+        throw InputError(fmt::format("{}: cannot be removed: {}", entry.path().string(), error.message()));
+      }
+    }
+  }
+}
+
 // The poses first: whatever goes wrong with a report, they are written.
 void WriteOutputs(const std::filesystem::path& folder, const PlaySetup& setup, const Outcome& outcome) {
   std::vector<OutputFile> files = {
       {folder / "trajectory.txt", FormatTrajectory(outcome.playback.slam.frames)},
       {folder / "keyframes.txt", FormatTrajectory(outcome.playback.slam.keyframes)},
   };
+  const std::vector<WorldTrajectory>& worlds = outcome.playback.slam.worlds;
+  for (std::size_t i = 1; i < worlds.size(); ++i) {
+    files.push_back({folder / WorldFileName(outcome.playback.slam, i), FormatTrajectory(worlds[i].frames)});
+  }
+  RemoveWorldFiles(folder, files);
   std::exception_ptr problem;
   try {
     AddReports(folder, setup, outcome, files);
@@ -138,6 +158,29 @@ std::string TrackingText(const PlaySetup& setup, const Outcome& outcome) {
   return text + AccuracyText(outcome.accuracy, slam.frames, setup.dataset.ground_truth());
 }
 
+// What happened to the map as a whole; "" if it is one world and no place was seen again.
+std::string PlacesText(const SlamResult& slam) {
+  std::vector<std::string> parts;
+  const auto count = [&](SlamEventKind kind, std::string_view one, std::string_view many) {
+    if (const std::ptrdiff_t times = CountEvents(slam, kind); times > 0) {
+      parts.push_back(fmt::format("{} {}", times, times == 1 ? one : many));
+    }
+  };
+  count(SlamEventKind::kRelocalized, "relocalization", "relocalizations");
+  count(SlamEventKind::kLoopClosed, "loop closed", "loops closed");
+  count(SlamEventKind::kWorldsMerged, "merge of worlds", "merges of worlds");
+  std::string text = parts.empty() ? "" : fmt::format("places seen again: {}\n", fmt::join(parts, ", "));
+  if (slam.worlds.size() > 1) {
+    text += fmt::format("the map fell apart into {} worlds; {:.1f} % of the frames since the start are in the largest, "
+                        "trajectory.txt; the others:", slam.worlds.size(), 100 * Coverage(slam));
+    for (std::size_t i = 1; i < slam.worlds.size(); ++i) {
+      text += fmt::format(" {} ({} frames)", WorldFileName(slam, i), slam.worlds[i].frames.size());
+    }
+    text += "\n";
+  }
+  return text;
+}
+
 // What went less well than the counts of TrackingText show; "" if nothing did.
 std::string ConcernsText(const PlaybackResult& playback, double rate) {
   std::string text;
@@ -168,7 +211,7 @@ std::string ConcernsText(const PlaybackResult& playback, double rate) {
 void PrintSummary(const RunArguments& arguments, const PlaySetup& setup, const Outcome& outcome) {
   const PlaybackResult& playback = outcome.playback;
   const SlamResult& slam = playback.slam;
-  std::string text = TrackingText(setup, outcome) + ConcernsText(playback, setup.play.rate);
+  std::string text = TrackingText(setup, outcome) + PlacesText(slam) + ConcernsText(playback, setup.play.rate);
   const std::vector<double> tracking_ms = TimingSeries(playback.frames, &FrameTiming::total_ms);
   if (!tracking_ms.empty()) {
     text += fmt::format("tracking: {:.1f} ms a frame (median; 95 % below {:.1f} ms)\n", Summarize(tracking_ms).median,

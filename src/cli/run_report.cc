@@ -65,6 +65,46 @@ std::vector<double> Confidences(const std::vector<FrameResult>& frames) {
   return confidences;
 }
 
+Json WorldsJson(const SlamResult& slam) {
+  Json worlds = Json::array();
+  for (std::size_t i = 0; i < slam.worlds.size(); ++i) {
+    const WorldTrajectory& world = slam.worlds[i];
+    worlds.push_back({{"world", world.world.value},
+                      {"trajectory", WorldFileName(slam, i)},
+                      {"frames", world.frames.size()},
+                      {"keyframes", world.keyframes.size()}});
+  }
+  return worlds;
+}
+
+// Where points of one frame are in another: position in meters and quaternion, as in a trajectory.
+Json PoseJson(const Rigid3& pose) {
+  const Eigen::Vector3d& t = pose.translation;
+  const Eigen::Quaterniond& q = pose.rotation;
+  return {{"translation_m", {t.x(), t.y(), t.z()}}, {"rotation_xyzw", {q.x(), q.y(), q.z(), q.w()}}};
+}
+
+Json EventsJson(const SlamResult& slam) {
+  Json events = Json::array();
+  for (const SlamEvent& event : slam.events) {
+    Json json = {{"kind", ToString(event.kind)},
+                 {"frame", event.frame.value},
+                 {"timestamp_s", event.timestamp_s},
+                 {"world", event.world.value}};
+    if (event.kind == SlamEventKind::kWorldsMerged) {
+      json["merged"] = event.merged.value;
+    }
+    if (event.kind == SlamEventKind::kWorldsMerged || event.kind == SlamEventKind::kLoopClosed) {
+      json["into_from_from"] = PoseJson(event.into_from_from);
+    }
+    if (event.matches > 0) {
+      json["matches"] = event.matches;
+    }
+    events.push_back(std::move(json));
+  }
+  return events;
+}
+
 // What ended the run early; null if nothing did.
 Json ErrorText(const std::exception_ptr& error) {
   if (error == nullptr) {
@@ -86,6 +126,19 @@ std::vector<double> TimingSeries(const std::vector<FrameResult>& frames, double 
   std::transform(frames.begin(), frames.end(), std::back_inserter(values),
                  [member](const FrameResult& frame) { return frame.timing.*member; });
   return values;
+}
+
+std::string WorldFileName(const SlamResult& slam, std::size_t place) {
+  return place == 0 ? "trajectory.txt" : fmt::format("trajectory.world-{}.txt", slam.worlds[place].world.value);
+}
+
+double Coverage(const SlamResult& slam) {
+  const int frames = slam.tracked_frames + slam.lost_frames;
+  return frames > 0 ? static_cast<double>(slam.frames.size()) / frames : 0;
+}
+
+std::ptrdiff_t CountEvents(const SlamResult& slam, SlamEventKind kind) {
+  return std::ranges::count(slam.events, kind, &SlamEvent::kind);
 }
 
 std::ptrdiff_t FramesNotStarted(const std::vector<FrameResult>& frames) {
@@ -135,6 +188,12 @@ Json RunReport(const RunDescription& description, const PlaybackResult& playback
   report["tracked"] = slam.tracked_frames;
   report["lost"] = slam.lost_frames;
   report["not_started"] = FramesNotStarted(playback.frames);
+  report["worlds"] = WorldsJson(slam);
+  report["coverage"] = Coverage(slam);
+  report["loops"] = CountEvents(slam, SlamEventKind::kLoopClosed);
+  report["relocalizations"] = CountEvents(slam, SlamEventKind::kRelocalized);
+  report["merges"] = CountEvents(slam, SlamEventKind::kWorldsMerged);
+  report["events"] = EventsJson(slam);
   report["left_out"] = playback.left_out;
   report["first_left_out_because"] = playback.left_out > 0 ? Json(playback.first_problem) : Json(nullptr);
   const std::optional<std::size_t> lost_since = LostForGoodSince(playback.frames);

@@ -42,6 +42,14 @@ struct RunDescription {
 inline constexpr double kLate_ms = 10;
 [[nodiscard]] std::ptrdiff_t LateFrames(const PlaybackResult& playback);
 
+// The file with the poses of a world, by its place in SlamResult::worlds: trajectory.txt, trajectory.world-N.txt.
+[[nodiscard]] std::string WorldFileName(const SlamResult& slam, std::size_t place);
+
+// Share, 0 to 1, of the frames since the first pose that have one in the largest world.
+[[nodiscard]] double Coverage(const SlamResult& slam);
+
+[[nodiscard]] std::ptrdiff_t CountEvents(const SlamResult& slam, SlamEventKind kind);
+
 // Frames before the first pose: neither tracked nor lost.
 [[nodiscard]] std::ptrdiff_t FramesNotStarted(const std::vector<FrameResult>& frames);
 

@@ -13,9 +13,9 @@ namespace {
 
 using Matrix6 = BlockSystem::Block;
 
-constexpr double kFirstDamping = 1e-6;  // relative to the diagonal
-constexpr double kMaxDamping = 1e6;
-constexpr double kTinyDecrease = 1e-6;  // of the cost, relative
+constexpr double kGraphDamping = 1e-6;  // relative to the diagonal
+constexpr double kMaxGraphDamping = 1e6;
+constexpr double kTinyGraphDecrease = 1e-6;  // of the cost, relative
 constexpr double kScaling = 22.5;       // chi2 of a robust edge from which its weight falls: 99.9 % of right ones are below
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
@@ -166,9 +166,9 @@ PoseGraphResult OptimizePoseGraph(const PoseGraphProblem& problem, int iteration
     return result;
   }
   double cost = Cost(problem, result.poses);
-  double damping = kFirstDamping;
+  double damping = kGraphDamping;
   bool is_linear = false;
-  while (result.iterations < iterations && damping <= kMaxDamping) {
+  while (result.iterations < iterations && damping <= kMaxGraphDamping) {
     if (stop && stop()) {
       return result;
     }
@@ -181,7 +181,7 @@ PoseGraphResult OptimizePoseGraph(const PoseGraphProblem& problem, int iteration
     std::vector<Rigid3> moved = step.size() > 0 ? graph.Moved(result.poses, step) : result.poses;
     const double moved_cost = step.size() > 0 ? Cost(problem, moved) : std::numeric_limits<double>::infinity();
     if (moved_cost < cost) {
-      const bool is_tiny = cost - moved_cost <= kTinyDecrease * cost;
+      const bool is_tiny = cost - moved_cost <= kTinyGraphDecrease * cost;
       result.poses = std::move(moved);
       cost = moved_cost;
       is_linear = false;
@@ -189,7 +189,7 @@ PoseGraphResult OptimizePoseGraph(const PoseGraphProblem& problem, int iteration
       if (is_tiny) {
         break;
       }
-    } else if (moved_cost <= cost * (1 + kTinyDecrease)) {
+    } else if (moved_cost <= cost * (1 + kTinyGraphDecrease)) {
       break;  // as low as it gets
     } else {
       damping = std::max(10 * damping, 1e-4);

@@ -78,11 +78,11 @@ bool FrontEnd::CanBeginWith(const IncomingFrame& frame) const {
   return std::ranges::count_if(frame.data->keypoints(), &Keypoint::HasDepth) >= LeastToBegin();
 }
 
-std::optional<TrackOutcome> FrontEnd::BeginAnew(const IncomingFrame& frame) {
+std::optional<TrackOutcome> FrontEnd::BeginAnew(const IncomingFrame& frame, FrameId first) {
   if (!executor_.Status().mapping_idle) {
     return std::nullopt;
   }
-  StartAgain(frame.id, trajectory_.Has(frame.id) ? 1 : 0);
+  StartAgain(first, trajectory_.Has(frame.id) ? 1 : 0);
   TrackOutcome outcome = Track(frame, nullptr, nullptr);
   MapKeyframeNow(frame);
   outcome.wants_keyframe = false;  // it is one

@@ -37,8 +37,9 @@ class FrontEnd {
   // Keypoints with depth, static if that is known, that a map needs to begin with.
   [[nodiscard]] int LeastToBegin() const { return options_.tracking.min_start_points; }
   [[nodiscard]] bool CanBeginWith(const IncomingFrame& frame) const;
-  // Begins another world of the map with a frame just lost. Nothing while mapping is busy.
-  [[nodiscard]] std::optional<TrackOutcome> BeginAnew(const IncomingFrame& frame);
+  // Begins another world of the map with a frame just lost, giving up the poses of `first` and those after it. Nothing
+  // while mapping is busy.
+  [[nodiscard]] std::optional<TrackOutcome> BeginAnew(const IncomingFrame& frame, FrameId first);
   // Has a frame labeled that is no keyframe yet, or is labeled `again`.
   void AskForLabel(const IncomingFrame& frame, bool again);
   // Hands a tracked frame to the propagation of labels.

@@ -97,10 +97,10 @@ FrameResult Slam::Impl::TrackFrame(const RgbdFrame& frame) {
   lanes_->semantics.SetCurrentFrame(result.frame);
   lanes_->loops.SetCurrentFrame(result.frame, frame.timestamp_s);
   executor_->BeginFrame(result.frame);
-  if (front_end_.GoOnWhereFound()) {
-    startup_.GoOnElsewhere();
+  const bool found = front_end_.GoOnWhereFound();
+  if (!found) {
+    startup_.TrackAgainIfLabeled(front_end_);
   }
-  startup_.TrackAgainIfLabeled(front_end_);
 
   const std::shared_ptr<const PropagatedLabels> labels = executor_->NewestLabels(result.frame);
   const std::span<const SampleMotion> motion = labels ? std::span(labels->motion) : std::span<const SampleMotion>();
@@ -112,6 +112,9 @@ FrameResult Slam::Impl::TrackFrame(const RgbdFrame& frame) {
   result.timing.extraction_ms = watch.Milliseconds();
 
   TrackOutcome outcome = front_end_.Track(incoming, front_end_.CurrentLocalMap(), labels);
+  if (found && outcome.tracked) {
+    startup_.GoOnElsewhere();
+  }
   result.is_keyframe = startup_.BeginAnewIfLost(incoming, front_end_, outcome) ||
                        (outcome.wants_keyframe && !startup_.HoldsKeyframes() && front_end_.OfferKeyframe(incoming));
   if (!outcome.tracked && !front_end_.trajectory().empty()) {

@@ -119,7 +119,8 @@ bool Startup::BeginAnewIfLost(const IncomingFrame& frame, FrontEnd& front_end, T
     waited_again_ = most_frames_;
     return false;
   }
-  auto begun = front_end.BeginAnew(frame);
+  // Poses in a world of which the labels leave nothing are none.
+  auto begun = front_end.BeginAnew(frame, waiting_ && AwaitsBetter() ? first_ : frame.id);
   if (!begun) {
     return false;
   }

@@ -28,7 +28,7 @@ class Startup {
 
   // Whether keyframes are held back for now.
   [[nodiscard]] bool HoldsKeyframes() const { return waiting_ && !frames_.empty(); }
-  // Before each frame, after what was done about places: tracking goes on in a world that is known.
+  // Tracking goes on in a world that is known.
   void GoOnElsewhere();
   // Before each frame. If a label has come that frames wait for, they are tracked again. Takes as long as that.
   void TrackAgainIfLabeled(FrontEnd& front_end);

@@ -75,7 +75,7 @@ TrackOutcome Tracker::TrackInMap(const WorkerStatus& status) {
   }
   const bool wide = prior_only || !last_.tracked;
   PoseEstimate estimate = TrackLocalMap(frame, *coarse, wide ? options_.recovery_window_px : options_.local_window_px);
-  if (!HasEnoughInliers(estimate.association) || (prior_only && IsOutlierDominated(estimate))) {
+  if (!HasEnoughInliers(estimate.association, relocated) || (prior_only && IsOutlierDominated(estimate))) {
     return Lost(times);
   }
   return Tracked(std::move(estimate), status, times);
@@ -185,8 +185,8 @@ PoseEstimate Tracker::TrackLocalMap(const FrameContext& frame, const PoseEstimat
 }
 
 // Static points are known to be what they seem, so fewer of them make a pose.
-bool Tracker::HasEnoughInliers(const Association& association) const {
-  const bool recovering = !last_.tracked;
+bool Tracker::HasEnoughInliers(const Association& association, bool relocated) const {
+  const bool recovering = !last_.tracked && !relocated;
   const auto inliers = static_cast<int>(association.used.size());
   const int enough = recovering ? options_.min_recovery_inliers : options_.min_inliers;
   const int enough_static = recovering ? options_.min_inliers : options_.association.tau;
