@@ -171,8 +171,10 @@ std::string PlacesText(const SlamResult& slam) {
   count(SlamEventKind::kWorldsMerged, "merge of worlds", "merges of worlds");
   std::string text = parts.empty() ? "" : fmt::format("places seen again: {}\n", fmt::join(parts, ", "));
   if (slam.worlds.size() > 1) {
-    text += fmt::format("the map fell apart into {} worlds; {:.1f} % of the frames since the start are in the largest, "
-                        "trajectory.txt; the others:", slam.worlds.size(), 100 * Coverage(slam));
+    text += fmt::format(
+        "the map fell apart into {} worlds; {:.1f} % of the frames since the start are in the largest, "
+        "trajectory.txt; the others:",
+        slam.worlds.size(), 100 * Coverage(slam));
     for (std::size_t i = 1; i < slam.worlds.size(); ++i) {
       text += fmt::format(" {} ({} frames)", WorldFileName(slam, i), slam.worlds[i].frames.size());
     }

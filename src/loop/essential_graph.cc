@@ -10,15 +10,15 @@
 namespace rds {
 namespace {
 
-// What an edge of 100 shared points knows of the relative pose; fewer know less (one over the root of their number), more
-// do not know more: drift is no white noise.
+// What an edge of 100 shared points knows of the relative pose; fewer know less (one over the root of their number),
+// more do not know more: drift is no white noise.
 constexpr double kSigma_m = 0.005;
 constexpr double kSigma_rad = 0.0035;
 constexpr double kPoints = 100;
 constexpr int kLeastPoints = 15;
-constexpr std::size_t kStrongest = 3;   // edges of a keyframe beside the tree's
-constexpr int kStrong = 50;             // shared points
-constexpr double kMostChi2 = 22.5;      // 6 degrees of freedom: 99.9 %
+constexpr std::size_t kStrongest = 3;  // edges of a keyframe beside the tree's
+constexpr int kStrong = 50;            // shared points
+constexpr double kMostChi2 = 22.5;     // 6 degrees of freedom: 99.9 %
 
 PoseGraphProblem::Edge MakeEdge(std::uint32_t from, std::uint32_t to, const Rigid3& to_from_from, int points) {
   const double scale = std::max(1.0, std::sqrt(kPoints / std::max(points, kLeastPoints)));
@@ -47,9 +47,9 @@ EssentialGraph PlanEssentialGraph(const Map& map, WorldId world, std::span<const
   std::set<std::pair<KeyframeId, KeyframeId>> known;
   const auto connect = [&](const Keyframe& keyframe, KeyframeId other, int points) {
     if (known.insert(std::minmax(keyframe.id, other)).second) {
-      graph.problem.edges.push_back(
-          MakeEdge(pose_of.at(other), pose_of.at(keyframe.id),
-                   keyframe.camera_from_world * map.At(other).camera_from_world.Inverse(), points));
+      graph.problem.edges.push_back(MakeEdge(pose_of.at(other), pose_of.at(keyframe.id),
+                                             keyframe.camera_from_world * map.At(other).camera_from_world.Inverse(),
+                                             points));
     }
   };
   for (const KeyframeId id : graph.keyframes) {
@@ -67,8 +67,7 @@ EssentialGraph PlanEssentialGraph(const Map& map, WorldId world, std::span<const
     const auto from = pose_of.find(loop.from);
     const auto to = pose_of.find(loop.to);
     if (from != pose_of.end() && to != pose_of.end()) {
-      graph.problem.edges.push_back(
-          MakeEdge(from->second, to->second, loop.to_from_from, loop.matches));
+      graph.problem.edges.push_back(MakeEdge(from->second, to->second, loop.to_from_from, loop.matches));
       graph.problem.edges.back().robust = &loop != &loops.back();  // the newest is judged by what it does
       graph.closes = graph.closes || &loop == &loops.back();
     }

@@ -33,8 +33,8 @@ struct EssentialGraph {
 // Loops with keyframes that are gone or of another world are left out; the last one is the newest.
 [[nodiscard]] EssentialGraph PlanEssentialGraph(const Map& map, WorldId world, std::span<const LoopEdge> loops);
 
-// How the keyframes must move so that the loops close. Nothing where the graph protests: an edge would have to give more
-// than it can, or the newest loop is not fulfilled; then that loop is wrong.
+// How the keyframes must move so that the loops close. Nothing where the graph protests: an edge would have to give
+// more than it can, or the newest loop is not fulfilled; then that loop is wrong.
 [[nodiscard]] std::optional<std::vector<Map::WorldMove>> CloseGraph(const EssentialGraph& graph);
 
 }  // namespace rds

@@ -19,8 +19,8 @@ constexpr std::size_t kClearMatches = 100;  // with so many no other candidate i
 constexpr std::size_t kAround = 10;         // best covisible keyframes of each covisible one
 constexpr std::size_t kWitnesses = 2;       // that are asked
 constexpr PlaceBounds kWitnessBounds{20, 0.85, 100};
-constexpr std::size_t kWeld = 15;           // covisible keyframes on which points are fused
-constexpr int kErasedEvery = 100;           // keyframes
+constexpr std::size_t kWeld = 15;  // covisible keyframes on which points are fused
+constexpr int kErasedEvery = 100;  // keyframes
 // A correction that the way travelled explains; beyond it, more must be seen.
 constexpr double kDrift_m = 0.3;
 constexpr double kDriftPerWay = 0.05;
@@ -84,12 +84,10 @@ std::optional<PlaceFound> LoopCloser::Relocalize(const MapAccess& map, const Pla
   });
   std::optional<PlaceFound> best;
   for (const KeyframeId candidate : candidates) {
-    const auto [plan, probabilities] = map.Read([&](const Map& locked) {
-      return std::pair(PlanPlace(locked, candidate), &locked.probabilities());
-    });
+    const auto [plan, probabilities] =
+        map.Read([&](const Map& locked) { return std::pair(PlanPlace(locked, candidate), &locked.probabilities()); });
     auto found = plan ? VerifyPlace(query, *plan, *probabilities, pyramid_, pose_) : std::nullopt;
-    if (found && IsWithin(*found, kRelocalizationBounds) &&
-        (!best || found->matches.size() > best->matches.size())) {
+    if (found && IsWithin(*found, kRelocalizationBounds) && (!best || found->matches.size() > best->matches.size())) {
       best = std::move(found);
       if (best->matches.size() >= kClearMatches) {
         break;
@@ -105,8 +103,7 @@ std::optional<LoopCloser::Subject> LoopCloser::Describe(const MapAccess& map, Ke
     if (keyframe == nullptr) {
       return std::nullopt;
     }
-    Subject subject{
-        id, {keyframe->data, keyframe->labels}, keyframe->world, keyframe->camera_from_world, {id}, {}};
+    Subject subject{id, {keyframe->data, keyframe->labels}, keyframe->world, keyframe->camera_from_world, {id}, {}};
     for (const Covisible& edge : keyframe->covisible) {
       subject.around.insert(edge.keyframe);
       for (const KeyframeId second : locked.BestCovisible(edge.keyframe, kAround)) {
@@ -122,8 +119,7 @@ std::optional<LoopCloser::Subject> LoopCloser::Describe(const MapAccess& map, Ke
   });
 }
 
-std::optional<PlaceFound> LoopCloser::FindAgain(const MapAccess& map, const Subject& subject,
-                                                bool in_own_world) const {
+std::optional<PlaceFound> LoopCloser::FindAgain(const MapAccess& map, const Subject& subject, bool in_own_world) const {
   const std::vector<PlaceScore> scores = index_.Query(subject.query.Descriptors());
   const auto candidates = map.Read([&](const Map& locked) {
     return ProposePlaces(locked, scores, kLoopCandidates, [&](const Keyframe& keyframe) {
@@ -131,9 +127,8 @@ std::optional<PlaceFound> LoopCloser::FindAgain(const MapAccess& map, const Subj
     });
   });
   for (const KeyframeId candidate : candidates) {
-    const auto [plan, probabilities] = map.Read([&](const Map& locked) {
-      return std::pair(PlanPlace(locked, candidate), &locked.probabilities());
-    });
+    const auto [plan, probabilities] =
+        map.Read([&](const Map& locked) { return std::pair(PlanPlace(locked, candidate), &locked.probabilities()); });
     if (!plan) {
       continue;
     }
@@ -149,8 +144,7 @@ std::optional<PlaceFound> LoopCloser::FindAgain(const MapAccess& map, const Subj
   return std::nullopt;
 }
 
-std::optional<int> LoopCloser::WitnessesWanted(const MapAccess& map, const Subject& subject,
-                                               const PlaceFound& found) {
+std::optional<int> LoopCloser::WitnessesWanted(const MapAccess& map, const Subject& subject, const PlaceFound& found) {
   const Rigid3 shift = found.camera_from_world * subject.camera_from_world.Inverse();
   const double way_m = map.Read([&](const Map& locked) {
     const bool both = locked.Find(found.keyframe) != nullptr && locked.Find(subject.id) != nullptr;
@@ -163,8 +157,7 @@ std::optional<int> LoopCloser::WitnessesWanted(const MapAccess& map, const Subje
   return std::ssize(found.matches) >= 2 * kLoopBounds.matches ? std::optional(2) : std::nullopt;
 }
 
-bool LoopCloser::IsWitnessed(const MapAccess& map, const Subject& subject, const PlaceFound& found,
-                             int wanted) const {
+bool LoopCloser::IsWitnessed(const MapAccess& map, const Subject& subject, const PlaceFound& found, int wanted) const {
   // Where the keyframe's world lies in that of the place.
   const Rigid3 place_world_from_own = found.camera_from_world.Inverse() * subject.camera_from_world;
   for (const KeyframeId witness : subject.witnesses) {
@@ -176,19 +169,17 @@ bool LoopCloser::IsWitnessed(const MapAccess& map, const Subject& subject, const
     };
     const auto question = map.Read([&](const Map& locked) -> std::optional<Question> {
       const Keyframe* const keyframe = locked.Find(witness);
-      return keyframe != nullptr
-                 ? std::optional(Question{{keyframe->data, keyframe->labels},
-                                          keyframe->camera_from_world,
-                                          PlanPlace(locked, found.keyframe),
-                                          &locked.probabilities()})
-                 : std::nullopt;
+      return keyframe != nullptr ? std::optional(Question{{keyframe->data, keyframe->labels},
+                                                          keyframe->camera_from_world,
+                                                          PlanPlace(locked, found.keyframe),
+                                                          &locked.probabilities()})
+                                 : std::nullopt;
     });
     if (!question || !question->plan) {
       continue;
     }
     const Rigid3 expected = question->camera_from_own_world * place_world_from_own.Inverse();
-    const auto seen =
-        VerifyPose(question->query, expected, *question->plan, *question->probabilities, pyramid_, pose_);
+    const auto seen = VerifyPose(question->query, expected, *question->plan, *question->probabilities, pyramid_, pose_);
     if (seen && IsWithin(*seen, kWitnessBounds)) {
       --wanted;
     }
@@ -220,11 +211,12 @@ std::optional<Closure> LoopCloser::CloseLoop(MapAccess& map, const Subject& subj
   std::vector<LoopEdge> loops = loops_;
   loops.push_back(loop);
   const Rigid3 shift = found.camera_from_world * subject.camera_from_world.Inverse();
-  if (shift.translation.norm() > kNothing_m || AngleOf(shift.rotation) > kNothing_rad) {
+  const bool moves = shift.translation.norm() > kNothing_m || AngleOf(shift.rotation) > kNothing_rad;
+  if (moves) {
     const EssentialGraph graph =
         map.Read([&](const Map& locked) { return PlanEssentialGraph(locked, subject.world, loops); });
-    const auto moves = CloseGraph(graph);
-    if (!moves) {
+    const auto bend = CloseGraph(graph);
+    if (!bend) {
       log::info("a loop from keyframe {} to {} contradicts the map and is left out", keyframe.value,
                 found.keyframe.value);
       return std::nullopt;
@@ -232,7 +224,7 @@ std::optional<Closure> LoopCloser::CloseLoop(MapAccess& map, const Subject& subj
     const bool bent = map.Write([&](Map& locked) {
       const bool is_current = locked.epoch() == graph.epoch;
       if (is_current) {
-        locked.Bend(*moves);
+        locked.Bend(*bend);
       }
       return is_current;
     });
@@ -242,7 +234,8 @@ std::optional<Closure> LoopCloser::CloseLoop(MapAccess& map, const Subject& subj
   }
   loops_ = std::move(loops);
   Weld(map, keyframe, found);
-  return Closure{keyframe, found.keyframe, subject.world, {}, correction, static_cast<int>(found.matches.size())};
+  return Closure{keyframe, found.keyframe, subject.world, {}, correction, static_cast<int>(found.matches.size()),
+                 moves};
 }
 
 std::optional<Closure> LoopCloser::MergeWorlds(MapAccess& map, KeyframeId keyframe, const PlaceFound& found) {
@@ -253,13 +246,13 @@ std::optional<Closure> LoopCloser::MergeWorlds(MapAccess& map, KeyframeId keyfra
       return std::nullopt;
     }
     // By relative poses, as either may have been corrected since.
-    const Rigid3 place_world_from_own = place->camera_from_world.Inverse() * found.camera_from_keyframe.Inverse() *
-                                        own->camera_from_world;
+    const Rigid3 place_world_from_own =
+        place->camera_from_world.Inverse() * found.camera_from_keyframe.Inverse() * own->camera_from_world;
     const std::size_t own_size = locked.KeyframesIn(own->world);
     const std::size_t place_size = locked.KeyframesIn(place->world);
     const bool own_stays = options_.keep == KeptWorld::kCurrent || own_size > place_size ||
                            (own_size == place_size && own->world < place->world);
-    Closure result{keyframe, found.keyframe, {}, {}, {}, static_cast<int>(found.matches.size())};
+    Closure result{keyframe, found.keyframe, {}, {}, {}, static_cast<int>(found.matches.size()), true};
     result.world = own_stays ? own->world : place->world;
     result.merged = own_stays ? place->world : own->world;
     result.into_from_from = own_stays ? place_world_from_own.Inverse() : place_world_from_own;
@@ -271,8 +264,7 @@ std::optional<Closure> LoopCloser::MergeWorlds(MapAccess& map, KeyframeId keyfra
     return result;
   });
   if (closure) {
-    loops_.push_back(
-        {found.keyframe, keyframe, found.camera_from_keyframe, static_cast<int>(found.matches.size())});
+    loops_.push_back({found.keyframe, keyframe, found.camera_from_keyframe, static_cast<int>(found.matches.size())});
     Weld(map, keyframe, found);
   }
   return closure;

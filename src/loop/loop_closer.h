@@ -18,11 +18,12 @@ namespace rds {
 // What a keyframe that was seen again led to.
 struct Closure {
   KeyframeId keyframe;
-  KeyframeId place;  // keyframe that shows the same place
-  WorldId world;     // that both are in now
-  WorldId merged;    // that was merged into it; invalid for a loop
+  KeyframeId place;       // keyframe that shows the same place
+  WorldId world;          // that both are in now
+  WorldId merged;         // that was merged into it; invalid for a loop
   Rigid3 into_from_from;  // where what was moved is now: of the merged world, or of the keyframe for a loop
   int matches = 0;
+  bool moved = true;  // false: all was in place already, points were fused only
 };
 
 // Knows no thread; one caller at a time but for Adjust. Publishes nothing: the caller does where a Closure comes back.

@@ -44,7 +44,8 @@ struct LocalMap {
   std::vector<std::pair<PointId, PointId>> replaced;  // recently fused ids and what they became, ascending
   WorldId world;                                      // of all of it
   std::uint32_t epoch = 0;                            // Map::epoch
-  std::vector<std::pair<KeyframeId, Rigid3>> recent;  // camera_from_world of the newest keyframes of the world, ascending
+  std::vector<std::pair<KeyframeId, Rigid3>>
+      recent;  // camera_from_world of the newest keyframes of the world, ascending
   int keyframes_in_map = 0;
   int points_in_map = 0;
 

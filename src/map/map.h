@@ -84,8 +84,8 @@ class Map {
     Rigid3 new_world_from_old_world;
   };
   void Bend(std::span<const WorldMove> moves);
-  // Grows whenever many poses change at once (Merge, Bend): poses in a world's frame that were copied out before are not
-  // to be mixed with later ones.
+  // Grows whenever many poses change at once (Merge, Bend): poses in a world's frame that were copied out before are
+  // not to be mixed with later ones.
   [[nodiscard]] std::uint32_t epoch() const { return epoch_; }
 
   // ---- Keyframes.

@@ -25,8 +25,7 @@ std::vector<PointId> PointsToAdjust(const Map& map, std::span<const KeyframeId> 
 }
 
 std::optional<MapBundle> PlanBundle(const Map& map, std::span<const KeyframeId> adjusted,
-                                    std::span<const KeyframeId> fixed, std::span<const PointId> points,
-                                    bool weighted) {
+                                    std::span<const KeyframeId> fixed, std::span<const PointId> points, bool weighted) {
   constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
   MapBundle bundle;
   std::vector<std::uint32_t> pose_of(map.keyframes().empty() ? 0 : map.newest().index() + 1, kNone);
@@ -53,8 +52,8 @@ std::optional<MapBundle> PlanBundle(const Map& map, std::span<const KeyframeId> 
     for (const Observation& observation : point.observations) {
       if (const std::uint32_t pose = pose_of[observation.keyframe.index()]; pose != kNone) {
         const Keypoint& keypoint = map.At(observation.keyframe).data->keypoints()[observation.keypoint];
-        bundle.problem.observations.push_back({pose, static_cast<std::uint32_t>(bundle.points.size()),
-                                               ObservationOf(keypoint, map.pyramid(), weight)});
+        bundle.problem.observations.push_back(
+            {pose, static_cast<std::uint32_t>(bundle.points.size()), ObservationOf(keypoint, map.pyramid(), weight)});
       }
     }
     const std::size_t added = bundle.problem.observations.size() - before;
@@ -86,8 +85,8 @@ void BendTo(Map& map, const MapBundle& bundle, const BundleResult& result) {
   std::vector<Map::WorldMove> moves;
   for (std::size_t i = 0; i < bundle.keyframes.size(); ++i) {
     if (map.Find(bundle.keyframes[i].keyframe) != nullptr) {
-      moves.push_back({bundle.keyframes[i].keyframe,
-                       result.poses[i].Inverse() * bundle.problem.poses[i].camera_from_world});
+      moves.push_back(
+          {bundle.keyframes[i].keyframe, result.poses[i].Inverse() * bundle.problem.poses[i].camera_from_world});
     }
   }
   map.Bend(moves);

@@ -33,8 +33,8 @@ struct MapBundle {
                                                   std::span<const KeyframeId> fixed, std::span<const PointId> points,
                                                   bool weighted);
 
-// Bends a world to the outcome of a bundle adjustment of all of it: keyframes made meanwhile follow their parents, points
-// that have changed meanwhile their hosts; outliers are forgotten.
+// Bends a world to the outcome of a bundle adjustment of all of it: keyframes made meanwhile follow their parents,
+// points that have changed meanwhile their hosts; outliers are forgotten.
 void BendTo(Map& map, const MapBundle& bundle, const BundleResult& result);
 
 }  // namespace rds

@@ -43,7 +43,7 @@ class Chaos {
 
   // One operation; which one it was.
   std::size_t Step() {
-    static constexpr std::array kWeights = {6, 20, 40, 8, 4, 4, 2, 3, 2, 6, 2, 4, 1, 1, 3};
+    static constexpr std::array kWeights = {6, 20, 40, 8, 4, 4, 2, 3, 2, 6, 2, 4, 1, 1, 1, 3};
     std::uint32_t all = 0;
     for (const int weight : kWeights) {
       all += static_cast<std::uint32_t>(weight);
@@ -56,7 +56,7 @@ class Chaos {
     Do(kind);
     return kind;
   }
-  static constexpr std::size_t kKinds = 15;
+  static constexpr std::size_t kKinds = 16;
   Map& map() { return map_; }
 
  private:
@@ -90,6 +90,8 @@ class Chaos {
         return StartWorld();
       case 13:
         return Merge();
+      case 14:
+        return Bend();
       default:
         return Apply();
     }
@@ -178,6 +180,16 @@ class Chaos {
     if (map_.At(child).world != map_.At(parent).world) {
       map_.Merge(child, parent, Pose(random_));
     }
+  }
+  void Bend() {
+    std::vector<Map::WorldMove> moves;
+    const WorldId world = map_.At(AnyKeyframe()).world;
+    for (const KeyframeId id : map_.keyframes()) {
+      if (map_.At(id).world == world && (map_.IsRoot(id) || random_.Index(2) == 0)) {
+        moves.push_back({id, Pose(random_)});
+      }
+    }
+    map_.Bend(moves);
   }
   KeyframeVersion Version(KeyframeId id) { return {id, map_.At(id).pose_revision}; }
   // A correction of the map as it is now, to be applied some operations later.

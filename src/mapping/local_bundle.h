@@ -12,7 +12,7 @@ namespace rds {
 
 // Copies the window out. `semantics`: labels are expected at all. Nothing if there is nothing to optimize.
 [[nodiscard]] std::optional<MapBundle> PlanLocalBundle(const Map& map, KeyframeId center, bool semantics,
-                                                         const LocalBundleOptions& options);
+                                                       const LocalBundleOptions& options);
 
 // Poses and points after bundle adjustment, outliers removed. Nothing if it was stopped before it found anything.
 [[nodiscard]] std::optional<Correction> SolveLocalBundle(const MapBundle& bundle, const BundleOptions& options,

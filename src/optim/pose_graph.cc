@@ -16,7 +16,7 @@ using Matrix6 = BlockSystem::Block;
 constexpr double kGraphDamping = 1e-6;  // relative to the diagonal
 constexpr double kMaxGraphDamping = 1e6;
 constexpr double kTinyGraphDecrease = 1e-6;  // of the cost, relative
-constexpr double kScaling = 22.5;       // chi2 of a robust edge from which its weight falls: 99.9 % of right ones are below
+constexpr double kScaling = 22.5;  // chi2 of a robust edge from which its weight falls: 99.9 % of right ones are below
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
 // measured^-1 * predicted, in units of the standard deviations.

@@ -36,8 +36,8 @@ struct PoseGraphResult {
 };
 
 // Levenberg-Marquardt on SE(3) with the residuals of Grisetti et al. ("A tutorial on graph-based SLAM", 2010), robust
-// edges with dynamic covariance scaling (Agarwal et al., ICRA 2013). On the calling thread; re-entrant; the same input gives
-// the same result. `stop` is polled between iterations. Throws InvariantError on indices out of range.
+// edges with dynamic covariance scaling (Agarwal et al., ICRA 2013). On the calling thread; re-entrant; the same input
+// gives the same result. `stop` is polled between iterations. Throws InvariantError on indices out of range.
 [[nodiscard]] PoseGraphResult OptimizePoseGraph(const PoseGraphProblem& problem, int iterations = 20,
                                                 const std::function<bool()>& stop = {});
 

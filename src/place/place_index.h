@@ -20,10 +20,10 @@ struct PlaceScore {
   float score = 0;  // sum of the inverse document frequencies of the words that both have
 };
 
-// Bag of words (Sivic and Zisserman, ICCV 2003) without a vocabulary: a table's word for a descriptor is 16 of its bits,
-// chosen to be balanced and little correlated with each other on rendered rooms, so that descriptors that differ by few
-// bits share the word of some table (locality-sensitive hashing: Indyk and Motwani, 1998). Nothing is trained or loaded,
-// and nothing need be stored with a map: the index is made of its keyframes' descriptors. Not thread-safe.
+// Bag of words (Sivic and Zisserman, ICCV 2003) without a vocabulary: a table's word for a descriptor is 16 of its
+// bits, chosen to be balanced and little correlated with each other on rendered rooms, so that descriptors that differ
+// by few bits share the word of some table (locality-sensitive hashing: Indyk and Motwani, 1998). Nothing is trained or
+// loaded, and nothing need be stored with a map: the index is made of its keyframes' descriptors. Not thread-safe.
 class PlaceIndex {
  public:
   static constexpr int kTables = 6;

@@ -20,15 +20,15 @@ constexpr std::size_t kGroupScores = 5;  // covisible keyframes whose scores cou
 constexpr std::size_t kAlike = 10;       // best covisible keyframes of one that is chosen, which are not
 constexpr std::size_t kGroup = 9;        // covisible keyframes whose points are matched by appearance
 constexpr LocalMapOptions kSurroundings{20, 5};
-constexpr std::size_t kViews = 4;        // beside the keyframe's own
-constexpr int kMostDistance = 60;        // Hamming
+constexpr std::size_t kViews = 4;  // beside the keyframe's own
+constexpr int kMostDistance = 60;  // Hamming
 constexpr double kRatio = 0.85;
 constexpr int kLeastMatches = 12;
 constexpr int kLeastAgreeing = 10;
-constexpr double kWide_px = 10;          // around projections by a first pose
-constexpr double kNarrow_px = 4;         // by a better one
+constexpr double kWide_px = 10;   // around projections by a first pose
+constexpr double kNarrow_px = 4;  // by a better one
 constexpr double kSearchRatio = 0.8;
-constexpr int kDynamicReach_px = 100;    // along its surface from a keypoint that is dynamic
+constexpr int kDynamicReach_px = 100;  // along its surface from a keypoint that is dynamic
 
 // Matches of the candidate's points to all keypoints that are not dynamic, each keypoint once.
 std::vector<PointMatch> MatchByAppearance(const PlaceQuery& query, const PlaceCandidate& candidate,
@@ -175,9 +175,9 @@ std::vector<Descriptor> IndexedDescriptors(const Map& map, KeyframeId id) {
   const Keyframe& keyframe = map.At(id);
   std::vector<Descriptor> descriptors;
   for (std::size_t i = 0; i < keyframe.points.size(); ++i) {
-    const bool is_dynamic = (keyframe.IsLabeled() && keyframe.labels[i] == KeypointLabel::kDynamic) ||
-                            (keyframe.points[i].valid() &&
-                             map.probabilities().State(keyframe.points[i]) == PointState::kDynamic);
+    const bool is_dynamic =
+        (keyframe.IsLabeled() && keyframe.labels[i] == KeypointLabel::kDynamic) ||
+        (keyframe.points[i].valid() && map.probabilities().State(keyframe.points[i]) == PointState::kDynamic);
     if (keyframe.points[i].valid() && !is_dynamic) {
       descriptors.push_back(keyframe.data->descriptors()[i]);
     }

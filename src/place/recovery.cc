@@ -35,6 +35,14 @@ int CountAgreeing(const FrameData& current, std::span<const PointMatch> matches,
   return count;
 }
 
+// Whether three points fix a pose: not where they coincide, lie on a line or are no numbers.
+bool IsTriangle(const std::array<Eigen::Vector3d, 3>& points) {
+  constexpr double kLeastSine = 0.02;
+  const Eigen::Vector3d a = points[1] - points[0];
+  const Eigen::Vector3d b = points[2] - points[0];
+  return a.cross(b).norm() > kLeastSine * a.norm() * b.norm();
+}
+
 }  // namespace
 
 std::vector<PointMatch> MatchKeyframe(const LocalKeyframe& keyframe, const FrameData& current, double ratio) {
@@ -75,6 +83,9 @@ std::optional<Rigid3> RansacPose(const FrameData& current, std::span<const Point
     }
     const std::array<Eigen::Vector3d, 3> from = {in_world[pick[0]], in_world[pick[1]], in_world[pick[2]]};
     const std::array<Eigen::Vector3d, 3> to = {in_camera[pick[0]], in_camera[pick[1]], in_camera[pick[2]]};
+    if (!IsTriangle(from) || !IsTriangle(to)) {
+      continue;
+    }
     const Rigid3 pose = Align(from, to, false).target_from_source;
     const int agreeing = CountAgreeing(current, matches, map, pyramid, pose);
     if (agreeing > most) {

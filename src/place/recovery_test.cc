@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -138,6 +139,35 @@ TEST(RansacPose, NeedsThreeKeypointsWithDepth) {
   const auto pose = scene.Ransac(matches, static_cast<int>(kPoints));
   ASSERT_TRUE(pose.has_value());
   EXPECT_THAT(*pose, RigidNear(scene.pose, 2e-3, 0.1));
+}
+
+// A tracker of the field aborts in its alignment on such input.
+TEST(RansacPose, RefusesTriplesThatFixNothing) {
+  const auto with_points = [](const std::vector<Eigen::Vector3d>& points) {
+    Map map{ScalePyramid()};
+    std::vector<Keypoint> keypoints;
+    for (const Eigen::Vector3d& point : points) {
+      keypoints.push_back(See({}, point.allFinite() ? point : Eigen::Vector3d(0, 0, 2)));
+    }
+    const auto data = FrameOf(keypoints);
+    const KeyframeId id = map.AddKeyframe(FrameId{0}, 0, {}, data);
+    std::vector<PointMatch> matches;
+    for (std::uint32_t i = 0; i < points.size(); ++i) {
+      map.AddPoint(points[i], id, i);
+      matches.push_back({i, i, PointState::kUnknown, 1.0});
+    }
+    return RansacPose(*data, matches, *BuildLocalMap(map, id, {}), ScalePyramid(), 3);
+  };
+  EXPECT_TRUE(with_points({{0, 0, 2}, {0.5, 0, 2}, {0, 0.5, 2}, {0.4, 0.4, 3}}).has_value());
+  EXPECT_FALSE(with_points(std::vector<Eigen::Vector3d>(20, {0.1, 0.1, 2})).has_value());  // coincident
+  std::vector<Eigen::Vector3d> line;
+  for (int i = 0; i < 20; ++i) {
+    line.emplace_back(0.02 * i, 0.01 * i, 2 + 0.03 * i);
+  }
+  EXPECT_FALSE(with_points(line).has_value());
+  EXPECT_FALSE(with_points({{0, 0, 2}, {0.5, 0, 2}}).has_value());
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(with_points(std::vector<Eigen::Vector3d>(5, {nan, nan, nan})).has_value());
 }
 
 TEST(NearestKeyframes, AreSortedByTheDistanceOfTheirCenters) {

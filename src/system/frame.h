@@ -57,8 +57,8 @@ struct FrameResult {
   TrackingState state = TrackingState::kNotInitialized;
   std::optional<Rigid3> world_from_camera;     // present if and only if tracked; jumps where the map is corrected
   std::optional<Rigid3> odometry_from_camera;  // the same but for jumps: the motion between tracked frames, added up
-  WorldId world;             // of the map, valid if tracked: poses of different worlds have nothing to do with each other
-  std::uint32_t epoch = 0;   // of the map: poses of one world in one epoch go together
+  WorldId world;  // of the map, valid if tracked: poses of different worlds have nothing to do with each other
+  std::uint32_t epoch = 0;  // of the map: poses of one world in one epoch go together
   bool is_keyframe = false;
   int static_matches = 0;    // used for the pose
   int unknown_matches = 0;   // used for the pose

@@ -45,8 +45,7 @@ void FrontEnd::Map(KeyframeCandidate& candidate) {
   lanes_.Learn(id);
   if (starts_world) {
     trajectory_.HangLastOn(id);
-    Record(SlamEventKind::kWorldStarted,
-           lanes_.backend.Read([&](const rds::Map& map) { return map.WorldOf(id); }), 0);
+    Record(SlamEventKind::kWorldStarted, lanes_.backend.Read([&](const rds::Map& map) { return map.WorldOf(id); }), 0);
   }
 }
 

@@ -232,7 +232,8 @@ TEST(TrajectoryRecorder, PosesFollowTheirKeyframes) {
   EXPECT_EQ(recorder.lost(), 1);
   const Rigid3 corrected{Eigen::Quaterniond::Identity(), {0, 0, 5}};
   scene.lanes->backend.Write([&](Map& map) { map.SetPose(KeyframeId{0}, corrected); });
-  const Trajectory trajectory = scene.lanes->backend.Read([&](const Map& map) { return recorder.Resolve(map); }).front().frames;
+  const Trajectory trajectory =
+      scene.lanes->backend.Read([&](const Map& map) { return recorder.Resolve(map); }).front().frames;
   ASSERT_EQ(trajectory.size(), 2U);
   EXPECT_THAT(trajectory[0].world_from_camera, RigidNear(corrected.Inverse(), 1e-9, 1e-6));
   EXPECT_THAT(trajectory[1].world_from_camera, RigidNear((Truth(3) * corrected).Inverse(), 1e-9, 1e-6));
@@ -262,7 +263,8 @@ TEST(TrajectoryRecorder, FramesBeforeAKeyframeShareWhatItWasCorrectedBy) {
     map.SetPose(first, {});
     map.SetPose(second, Rigid3{Eigen::Quaterniond::Identity(), {1, 0, -1}});
   });
-  const Trajectory trajectory = scene.lanes->backend.Read([&](const Map& map) { return recorder.Resolve(map); }).front().frames;
+  const Trajectory trajectory =
+      scene.lanes->backend.Read([&](const Map& map) { return recorder.Resolve(map); }).front().frames;
   ASSERT_EQ(trajectory.size(), 4U);
   const auto place = [&](std::size_t i) { return trajectory[i].world_from_camera.translation; };
   EXPECT_THAT(place(0), MatrixNear(Eigen::Vector3d(0, 0, 0), 1e-9));

@@ -29,8 +29,8 @@ LoopLane::LoopLane(const Options& options, bool semantics, Backend& backend)
 void LoopLane::Find(const LostFrame& lost) {
   if (auto found = closer_.Relocalize(backend_, {lost.data, {}})) {
     const auto matches = static_cast<int>(found->matches.size());
-    place_.Publish(std::make_shared<const PlacedFrame>(PlacedFrame{
-        lost.frame, found->keyframe, found->camera_from_keyframe, std::move(found->map), matches}));
+    place_.Publish(std::make_shared<const PlacedFrame>(
+        PlacedFrame{lost.frame, found->keyframe, found->camera_from_keyframe, std::move(found->map), matches}));
   }
 }
 
@@ -40,10 +40,15 @@ bool LoopLane::Learn(KeyframeId keyframe, bool only_index) {
   if (!closure) {
     return false;
   }
-  world_.store(closure->world.value, std::memory_order_relaxed);
-  corrections_.fetch_add(1, std::memory_order_relaxed);
+  if (closure->moved) {
+    world_.store(closure->world.value, std::memory_order_relaxed);
+    corrections_.fetch_add(1, std::memory_order_relaxed);
+  }
   backend_.PublishLocalMap(backend_.Read([](const Map& map) { return map.newest(); }));
   backend_.PublishView();
+  if (!closure->moved) {
+    return false;
+  }
   SlamEvent event;
   event.kind = closure->merged.valid() ? SlamEventKind::kWorldsMerged : SlamEventKind::kLoopClosed;
   event.world = closure->world;

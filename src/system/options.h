@@ -47,7 +47,8 @@ struct SemanticOptions {
 };
 
 struct AtlasOptions {
-  double patience_s = 1;  // of frames that a map could begin with, all of them lost: then another world begins; 0 = never
+  double patience_s =
+      1;  // of frames that a map could begin with, all of them lost: then another world begins; 0 = never
 };
 
 struct Options {

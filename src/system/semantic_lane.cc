@@ -145,16 +145,17 @@ void SemanticLane::PublishLabeledViews(const LabeledRound& round) {
     labeled_.resize(kFreeSpaceViews);
   }
   auto views = std::make_shared<std::vector<DepthView>>(labeled_);
-  const std::uint32_t epoch = backend_.Read([&](const Map& map) {  // the poses as they are now; a keyframe may be gone or not be there yet
-    std::erase_if(*views, [&](DepthView& view) {
-      const Keyframe* const keyframe = map.FindByFrame(view.frame);
-      if (keyframe != nullptr) {
-        view.camera_from_world = keyframe->camera_from_world;
-      }
-      return keyframe == nullptr;
-    });
-    return map.epoch();
-  });
+  const std::uint32_t epoch =
+      backend_.Read([&](const Map& map) {  // the poses as they are now; a keyframe may be gone or not be there yet
+        std::erase_if(*views, [&](DepthView& view) {
+          const Keyframe* const keyframe = map.FindByFrame(view.frame);
+          if (keyframe != nullptr) {
+            view.camera_from_world = keyframe->camera_from_world;
+          }
+          return keyframe == nullptr;
+        });
+        return map.epoch();
+      });
   views_.Publish(std::make_shared<const Views>(Views{epoch, std::move(views)}));
 }
 

@@ -47,8 +47,8 @@ class SemanticLane {
   // Asks the back end to give up.
   void Cancel();
 
-  // The newest labeled keyframes with their poses in that epoch of the map, newest first; null before the first label, and
-  // where all are older.
+  // The newest labeled keyframes with their poses in that epoch of the map, newest first; null before the first label,
+  // and where all are older.
   [[nodiscard]] std::shared_ptr<const std::vector<DepthView>> LabeledViews(std::uint32_t epoch) const {
     const auto newest = views_.Get();
     return newest != nullptr && newest->epoch == epoch ? newest->views : nullptr;

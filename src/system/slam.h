@@ -35,8 +35,8 @@ class Slam {
   // the result. No Process after that. Does not throw what a worker threw: see SlamResult::error.
   SlamResult Finish();
 
-  // What happened to the map as a whole since the last call: worlds that began, loops, merges, relocalizations. All of it
-  // is in SlamResult::events again. From any thread.
+  // What happened to the map as a whole since the last call: worlds that began, loops, merges, relocalizations. All of
+  // it is in SlamResult::events again. From any thread.
   [[nodiscard]] std::vector<SlamEvent> TakeEvents();
 
   // For drawing; may be called between Process calls, and takes no lock of the map. ViewMap is never null, and empty

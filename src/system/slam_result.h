@@ -53,7 +53,7 @@ struct LockSummary {
 
 // Outcome of a run.
 struct SlamResult {
-  Trajectory frames;     // as in the largest world
+  Trajectory frames;  // as in the largest world
   Trajectory keyframes;
   std::vector<WorldTrajectory> worlds;  // those with tracked frames, most frames first; the first one is that above
   std::vector<SlamEvent> events;        // in order

@@ -15,7 +15,7 @@ constexpr int kMostVoid = 90;                         // frames more to wait whe
 constexpr int kPatience = 15;                         // frames lost on end while a better label is awaited
 constexpr int kYoung = 100;                           // frames tracked: what is older is not begun anew
 constexpr int kLeastLost = 5;
-constexpr double kGap_s = 0.2;  // a frame counts for so long at most
+constexpr double kGap_s = 0.2;      // a frame counts for so long at most
 constexpr double kLeastLeft = 0.4;  // of what the map began with: with less that was something before the lens
 
 }  // namespace
@@ -105,8 +105,8 @@ bool Startup::BeginAnewIfLost(const IncomingFrame& frame, FrontEnd& front_end, T
   lost_ = outcome.tracked ? 0 : lost_ + (is_usable ? 1 : 0);
   lost_s_ = outcome.tracked ? 0 : lost_s_ + (is_usable ? seconds : 0);
   const bool is_young = tracked_ <= kYoung;
-  const bool is_lost = lost_ >= kLeastLost && ((is_young && lost_ >= tracked_) ||
-                                               (patience_s_ > 0 && lost_s_ >= patience_s_));
+  const bool is_lost =
+      lost_ >= kLeastLost && ((is_young && lost_ >= tracked_) || (patience_s_ > 0 && lost_s_ >= patience_s_));
   // Before the first label poses may follow what moves, and say nothing of what is left.
   const auto answer = front_end.NewestAnswer();
   const bool is_labeled = !waiting_ || (answer && answer->frame == asked_);

@@ -174,12 +174,12 @@ void ThreadedExecutor::RunLoops(Shared& shared) {
 void ThreadedExecutor::RunBundles(Shared& shared) {
   Lanes& lanes = *shared.lanes;
   for (;;) {
-    const bool due = lanes.places.WaitAndWrite(
-        [](const PlaceWork& work) { return work.closing || work.bundle_due; },
-        [](PlaceWork& work) {
-          work.adjusting = !work.closing && std::exchange(work.bundle_due, false);
-          return work.adjusting;
-        });
+    const bool due = lanes.places.WaitAndWrite([](const PlaceWork& work) { return work.closing || work.bundle_due; },
+                                               [](PlaceWork& work) {
+                                                 work.adjusting =
+                                                     !work.closing && std::exchange(work.bundle_due, false);
+                                                 return work.adjusting;
+                                               });
     if (!due) {
       return;
     }

@@ -19,15 +19,15 @@ namespace rds {
 
 struct RingOptions {
   std::uint64_t seed = 1;
-  double radius_m = 8;             // of the path
-  int keyframes = 160;             // on the way
-  double rounds = 1.1;             // that the way takes
-  int landmarks_per_m = 110;       // of the path
-  double drift = 0;                // scale error of each relative motion: 0.01 = 1 %
-  double turn_rad = 0;             // added to each relative motion, about the vertical axis
-  double noise_px = 0.7;           // of keypoints
-  double flips = 0.03;             // share of the bits of a descriptor that differ from one view to the next
-  int period = 0;                  // looks repeat so many times round the ring; 0 = they never do
+  double radius_m = 8;       // of the path
+  int keyframes = 160;       // on the way
+  double rounds = 1.1;       // that the way takes
+  int landmarks_per_m = 80;  // of the path
+  double drift = 0;          // scale error of each relative motion: 0.01 = 1 %
+  double turn_rad = 0;       // added to each relative motion, about the vertical axis
+  double noise_px = 0.7;     // of keypoints
+  double flips = 0.03;       // share of the bits of a descriptor that differ from one view to the next
+  int period = 0;            // looks repeat so many times round the ring; 0 = they never do
 };
 
 // A corridor round a circle: walls, floor and ceiling with landmarks, along which a camera looks ahead. What it sees
@@ -58,9 +58,8 @@ class RingWorld {
 
   // camera_from_world on the path, looking along it.
   [[nodiscard]] Rigid3 PoseAt(double angle) const {
-    const Rigid3 world_from_camera{
-        ExpSo3({0, angle + std::numbers::pi / 2, 0}),
-        {options_.radius_m * std::sin(angle), 0, options_.radius_m * std::cos(angle)}};
+    const Rigid3 world_from_camera{ExpSo3({0, angle + std::numbers::pi / 2, 0}),
+                                   {options_.radius_m * std::sin(angle), 0, options_.radius_m * std::cos(angle)}};
     return world_from_camera.Inverse();
   }
 
@@ -91,8 +90,7 @@ class RingWorld {
         }
         keypoint.raw_x = keypoint.x;
         keypoint.raw_y = keypoint.y;
-        keypoint.depth_m +=
-            static_cast<float>(random.Gaussian(0, static_cast<double>(keypoint.depth_sigma_m)));
+        keypoint.depth_m += static_cast<float>(random.Gaussian(0, static_cast<double>(keypoint.depth_sigma_m)));
         keypoints.push_back(keypoint);
         descriptors.push_back(Blurred(looks_[i], random));
         view.landmarks.push_back(i);
@@ -118,8 +116,7 @@ class RingWorld {
         pose = motion * pose;
       }
       const View view = Look(truth[static_cast<std::size_t>(i)], noise_seed * 100'000 + static_cast<std::uint64_t>(i));
-      const KeyframeId id =
-          map.AddKeyframe(FrameId{frame_}, frame_ / 10.0, pose, view.data, world);
+      const KeyframeId id = map.AddKeyframe(FrameId{frame_}, frame_ / 10.0, pose, view.data, world);
       ++frame_;
       for (std::uint32_t k = 0; k < view.landmarks.size(); ++k) {
         auto& [point, seen] = known[view.landmarks[k]];
@@ -145,8 +142,7 @@ class RingWorld {
     const Rigid3 truth_from_map = truth_of_.at(ids.front()).Inverse() * map.CameraFromWorld(ids.front());
     double sum = 0;
     for (const KeyframeId id : ids) {
-      sum += (truth_from_map * map.CameraFromWorld(id).Inverse().translation -
-              truth_of_.at(id).Inverse().translation)
+      sum += (truth_from_map * map.CameraFromWorld(id).Inverse().translation - truth_of_.at(id).Inverse().translation)
                  .squaredNorm();
     }
     return std::sqrt(sum / static_cast<double>(ids.size()));

@@ -6,8 +6,8 @@
 #include <optional>
 #include <span>
 
-#include "tracking/pose_estimate.h"
 #include "place/projection_search.h"
+#include "tracking/pose_estimate.h"
 
 namespace rds {
 

@@ -8,8 +8,8 @@
 
 #include "base/error.h"
 #include "base/time.h"
-#include "tracking/depth_registration.h"
 #include "place/explained_share.h"
+#include "tracking/depth_registration.h"
 
 namespace rds {
 namespace {
