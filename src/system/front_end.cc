@@ -98,11 +98,11 @@ void FrontEnd::Propagate(const IncomingFrame& frame, const TrackOutcome& outcome
   }
 }
 
-void FrontEnd::AskForPlace(const IncomingFrame& frame) { lanes_.Find({frame.id, frame.data}); }
+void FrontEnd::AskForPlace(const IncomingFrame& frame) { lanes_.Find({frame.id, frame.timestamp_s, frame.data}); }
 
 bool FrontEnd::GoOnWhereFound() {
   const auto place = lanes_.loops.NewestPlace();
-  if (!lost_since_ || place == nullptr || place->frame < *lost_since_ || !executor_.Status().mapping_idle) {
+  if (!lost_since_ || place == nullptr || place->frame.id < *lost_since_ || !executor_.Status().mapping_idle) {
     return false;
   }
   lost_since_.reset();  // it is used once
@@ -111,7 +111,7 @@ bool FrontEnd::GoOnWhereFound() {
     return false;  // the map has been corrected since
   }
   lanes_.backend.Publish(place->map);
-  tracker_->Relocate(place->reference, place->camera_from_reference);
+  tracker_->Relocate(place->frame);
   Record(SlamEventKind::kRelocalized, place->map->world, place->matches);
   return true;
 }

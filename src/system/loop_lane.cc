@@ -29,8 +29,13 @@ LoopLane::LoopLane(const Options& options, bool semantics, Backend& backend)
 void LoopLane::Find(const LostFrame& lost) {
   if (auto found = closer_.Relocalize(backend_, {lost.data, {}})) {
     const auto matches = static_cast<int>(found->matches.size());
-    place_.Publish(std::make_shared<const PlacedFrame>(
-        PlacedFrame{lost.frame, found->keyframe, found->camera_from_keyframe, std::move(found->map), matches}));
+    KnownFrame known{lost.frame, lost.timestamp_s, lost.data, found->keyframe, found->camera_from_keyframe, {}};
+    known.points.assign(lost.data->size(), PointId{});
+    for (const auto& [keypoint, point] : found->matches) {
+      known.points[keypoint] = point;
+    }
+    place_.Publish(
+        std::make_shared<const PlacedFrame>(PlacedFrame{std::move(known), std::move(found->map), matches}));
   }
 }
 

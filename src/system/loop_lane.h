@@ -16,20 +16,20 @@
 #include "system/backend.h"
 #include "system/options.h"
 #include "system/slam_event.h"
+#include "tracking/tracker.h"
 
 namespace rds {
 
 // A frame that tracking could not place.
 struct LostFrame {
   FrameId frame;
+  double timestamp_s = 0;
   std::shared_ptr<const FrameData> data;
 };
 
 // Where it was taken.
 struct PlacedFrame {
-  FrameId frame;
-  KeyframeId reference;
-  Rigid3 camera_from_reference;
+  KnownFrame frame;
   std::shared_ptr<const LocalMap> map;  // that holds the reference
   int matches = 0;
 };

@@ -65,30 +65,37 @@ TrackOutcome Tracker::TrackInMap(const WorkerStatus& status) {
   }
   const ExpectedPose expected = Predict(times);
   std::optional<PoseEstimate> coarse = CoarsePose(frame, expected);
-  const bool relocated = std::exchange(relocated_, false);
-  const bool prior_only = !coarse && (expected.prior || relocated);
+  const bool prior_only = !coarse && expected.prior;
   if (prior_only) {  // a blurred picture, say, matches little that was just seen: the map may hold more
-    coarse = PoseEstimate{expected.camera_from_world, expected.prior, {}, {}};
+    coarse = PoseEstimate{expected.prior->camera_from_world, expected.prior, {}, {}};
   }
   if (!coarse) {
     return Lost(times);
   }
   const bool wide = prior_only || !last_.tracked;
   PoseEstimate estimate = TrackLocalMap(frame, *coarse, wide ? options_.recovery_window_px : options_.local_window_px);
-  if (!HasEnoughInliers(estimate.association, relocated) || (prior_only && IsOutlierDominated(estimate))) {
+  if (!HasEnoughInliers(estimate.association) || (prior_only && IsOutlierDominated(estimate))) {
     return Lost(times);
   }
   return Tracked(std::move(estimate), status, times);
 }
 
-void Tracker::Relocate(KeyframeId reference, const Rigid3& camera_from_reference) {
-  if (started_ && !current_.tracked) {
-    current_.reference = reference;
-    current_.camera_from_reference = camera_from_reference;
-    current_.points.assign(current_.points.size(), PointId{});
-    map_ = nullptr;  // whatever comes is another one
-    relocated_ = true;
+void Tracker::Relocate(const KnownFrame& frame) {
+  if (current_.tracked) {
+    return;
   }
+  current_ = Frame{};
+  current_.id = frame.id;
+  current_.timestamp_s = frame.timestamp_s;
+  current_.data = frame.data;
+  current_.tracked = true;
+  current_.reference = frame.reference;
+  current_.camera_from_reference = frame.camera_from_reference;
+  current_.points = frame.points;
+  motion_.Forget();
+  started_ = true;
+  frames_since_recovery_ = 0;
+  map_ = nullptr;  // whatever comes is another one
 }
 
 TrackOutcome Tracker::Start() {
@@ -185,8 +192,8 @@ PoseEstimate Tracker::TrackLocalMap(const FrameContext& frame, const PoseEstimat
 }
 
 // Static points are known to be what they seem, so fewer of them make a pose.
-bool Tracker::HasEnoughInliers(const Association& association, bool relocated) const {
-  const bool recovering = !last_.tracked && !relocated;
+bool Tracker::HasEnoughInliers(const Association& association) const {
+  const bool recovering = !last_.tracked;
   const auto inliers = static_cast<int>(association.used.size());
   const int enough = recovering ? options_.min_recovery_inliers : options_.min_inliers;
   const int enough_static = recovering ? options_.min_inliers : options_.association.tau;

@@ -43,6 +43,16 @@ struct TrackOutcome {
   StageTimes times;
 };
 
+// A frame that was placed by something else.
+struct KnownFrame {
+  FrameId id;
+  double timestamp_s = 0;
+  std::shared_ptr<const FrameData> data;
+  KeyframeId reference;
+  Rigid3 camera_from_reference;
+  std::vector<PointId> points;  // of each keypoint, invalid where there is none
+};
+
 // The tracking thread's algorithm (sections III and V of the paper). Knows no thread: reads the snapshot it is given
 // and the wait-free table of probabilities, changes only itself. One instance, one caller.
 class Tracker {
@@ -56,9 +66,9 @@ class Tracker {
                      std::shared_ptr<const LocalMap> map, const WorkerStatus& status,
                      std::shared_ptr<const PropagatedLabels> labels);
 
-  // Tells a lost tracker where it is: the next frame is looked for around this pose, in a map that holds the reference.
-  // Without effect on one that is not lost.
-  void Relocate(KeyframeId reference, const Rigid3& camera_from_reference);
+  // Tells a lost tracker where an earlier frame was taken, as if it had tracked it: the next frame is looked for from
+  // there, in a map that holds the reference.
+  void Relocate(const KnownFrame& frame);
   // The frame just tracked as a keyframe; to be called at most once, after Track said wants_keyframe.
   [[nodiscard]] KeyframeCandidate MakeCandidate();
   // Share of what the reference keyframe saw that the newest frame still shows (ExplainedShare), by its pose, or by
@@ -98,7 +108,7 @@ class Tracker {
   [[nodiscard]] std::optional<PoseEstimate> CoarsePose(const FrameContext& frame, const ExpectedPose& expected) const;
   // The pose from all points of the local map, `window_px` searched around each.
   [[nodiscard]] PoseEstimate TrackLocalMap(const FrameContext& frame, const PoseEstimate& coarse, double window_px);
-  [[nodiscard]] bool HasEnoughInliers(const Association& association, bool relocated) const;
+  [[nodiscard]] bool HasEnoughInliers(const Association& association) const;
   [[nodiscard]] TrackOutcome Lost(const StageTimes& times);
   [[nodiscard]] TrackOutcome Tracked(PoseEstimate estimate, const WorkerStatus& status, const StageTimes& times);
   [[nodiscard]] std::optional<double> ExplainedBy(const LocalKeyframe& keyframe) const;
@@ -115,7 +125,6 @@ class Tracker {
   FrameLabels labels_;  // of the current frame
   MotionModel motion_;
   bool started_ = false;
-  bool relocated_ = false;  // the last pose is one that was found for it
   int frames_since_keyframe_ = 0;
   std::optional<int> frames_since_recovery_;  // none before the first
   PointUses uses_;
