@@ -12,7 +12,6 @@ inline constexpr float kMovingPlace = 0.06F;   // the same of what moves, from o
 inline constexpr double kPlane = 0.04;         // a sample off a plane through its neighbors in another view
 inline constexpr float kBend = 0.02F;          // a plane off the sample in its middle
 inline constexpr double kNextSample = 0.03;    // neighboring samples (propagation.depth_step_ratio)
-inline constexpr double kNextUnsure = 0.04;    // the same where a mask is unsure (semantic.completion_step_ratio)
 inline constexpr double kStaticAgain = 0.02;   // a static surface seen again (semantic.free_space_match)
 inline constexpr double kLookedBeyond = 0.10;  // none was there: seen so far beyond (semantic.free_space_margin)
 

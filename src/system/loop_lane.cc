@@ -34,8 +34,7 @@ void LoopLane::Find(const LostFrame& lost) {
     for (const auto& [keypoint, point] : found->matches) {
       known.points[keypoint] = point;
     }
-    place_.Publish(
-        std::make_shared<const PlacedFrame>(PlacedFrame{std::move(known), std::move(found->map), matches}));
+    place_.Publish(std::make_shared<const PlacedFrame>(PlacedFrame{std::move(known), std::move(found->map), matches}));
   }
 }
 

@@ -81,8 +81,6 @@ void BindSemantic(SemanticOptions& options, OptionTable& table) {
             "frames for which the map waits for the first label before it grows, at most; they are then tracked again");
   table.Int("semantic.dilation_px", options.dilation_px, 0, 200,
             "dilation of masks, in pixels at an image width of 640");
-  table.Real("semantic.completion_step_ratio", options.completion_step_ratio, 0, 1,
-             "unsure pixels join dynamic ones across steps in depth up to this ratio; 0 = never");
   table.Flag(
       "semantic.free_space", options.free_space.enabled,
       "check free space: what stands where earlier keyframes looked through is dynamic, and what they saw as a static "

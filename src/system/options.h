@@ -34,8 +34,6 @@ struct SemanticOptions {
   int backlog = 60;       // images of unlabeled keyframes kept at most
   int start_frames = 36;  // for which the map waits for the first label before it grows, at most
   int dilation_px = 15;   // radius at an image width of 640
-  double completion_step_ratio =
-      depth_ratio::kNextUnsure;  // unsure pixels join dynamic ones across smaller steps in depth
   FreeSpaceOptions free_space;
   bool motion = true;             // what moves otherwise than most of the picture is dynamic, whatever it is
   double max_mask_ratio = 0.95;   // a mask that covers more says nothing

@@ -71,7 +71,6 @@ TEST(Options, APresetIsAMatterOfOptions) {
     }
     EXPECT_GT(changed, 5);
     EXPECT_EQ(rebuilt.mapping.bundle.labeled_only, preset.mapping.bundle.labeled_only);
-    EXPECT_EQ(rebuilt.semantic.completion_step_ratio, preset.semantic.completion_step_ratio);
   }
   Options options;
   EXPECT_THAT(InputErrorOf([&] { ApplyPreset(options, "orb"); }), HasSubstr("paper"));

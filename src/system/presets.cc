@@ -27,7 +27,6 @@ void ApplyPreset(Options& options, std::string_view name) {
   options.mapping.bundle.labeled_only = true;
   options.semantic.selection = SelectionMode::kBidirectional;
   options.semantic.start_frames = 0;
-  options.semantic.completion_step_ratio = 0;
   options.semantic.free_space.enabled = false;
   options.semantic.motion = false;
 }

@@ -10,7 +10,6 @@
 #include "base/log.h"
 #include "base/time.h"
 #include "propagation/keyframe_labels.h"
-#include "propagation/mask_completion.h"
 #include "segmentation/mask.h"
 #include "semantic/keypoint_labels.h"
 #include "semantic/semantic_optimizer.h"
@@ -60,7 +59,6 @@ LabeledRound SemanticLane::Segment(std::vector<BacklogItem> items) {
           fmt::format("unusable mask of frame {} ({}): {}", round.items[i].frame.value, segmenter_->Name(), *problem));
       mask = {};
     } else {
-      CompleteMask(round.items[i].data->depth_grid(), options_.completion_step_ratio, mask);
       if (options_.motion) {
         const BacklogItem& item = round.items[i];
         round.astray[i] = MarkMoving(backend_, recent_.Read([](const RecentFrames& recent) { return recent; }),

@@ -36,7 +36,8 @@ class SemanticLane {
   // `segmenter` may be null: nothing is ever labeled.
   SemanticLane(const Options& options, std::shared_ptr<Segmenter> segmenter, Backend& backend);
 
-  // Asks the back end for masks, completes and dilates them; never throws what the back end throws.
+  // Asks the back end for masks, adds what moves without a name and dilates them; never throws what the back end
+  // throws.
   [[nodiscard]] LabeledRound Segment(std::vector<BacklogItem> items);
   // Labels keypoints, updates probabilities, corrects poses of keyframes from the front of the backlog.
   void Apply(const LabeledRound& round);

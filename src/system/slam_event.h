@@ -28,7 +28,7 @@ struct SlamEvent {
   WorldId merged;         // worlds_merged: the one that is no more
   Rigid3 into_from_from;  // worlds_merged: where points of `merged` are in `world`; loop_closed: how far the keyframe
                           // that was seen again moved. Identity otherwise
-  int matches = 0;  // that the place was recognized by
+  int matches = 0;        // that the place was recognized by
 };
 
 }  // namespace rds
