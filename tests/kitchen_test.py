@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Runs the program on real recordings: the kitchen and desk sequences, static and with people walking through them.
 
-    kitchen_test.py RDS WORK_FOLDER make|static|walking|lockstep|threaded|turning|desk
+    kitchen_test.py RDS WORK_FOLDER make|static|walking|lockstep|threaded|turning|desk|kidnap
 
 The recordings are not part of the repository: RDS_SHARED names the folder that has bench/make_sequences.py. Without it
 every test is skipped (exit code 77). `make` builds the sequences first.
@@ -103,6 +103,20 @@ def test_desk(runner):
     _, report = runner.run("desk", "desk_walking", "--lockstep", "--segmenter", "stored")
     expect(report["tracked"] == report["frames"] == SEQUENCES["desk_walking"], "every frame is tracked")
     expect(report["ate_m"]["rmse"] <= 0.0115, "the error is at most 0.0115 m")
+
+
+def test_kidnap(runner):
+    """The camera is covered and carried off, to where it was and to where it was not; five pieces end as one world."""
+    pieces = ["200:300", "black:30", "0:90", "110:60", "90:200", "299:220"]
+    script = pathlib.Path(__file__).resolve().parent.parent / "scripts" / "rearrange_sequence.py"
+    shutil.rmtree(runner.work / "kitchen_kidnap", ignore_errors=True)
+    subprocess.run([sys.executable, script, runner.work / "kitchen_static", runner.work / "kitchen_kidnap", *pieces],
+                   check=True)
+    _, report = runner.run("kidnap", "kitchen_kidnap", "--lockstep", "--segmenter", "none")
+    expect(len(report["worlds"]) == 1, "all pieces end in one world")
+    expect(report["tracked"] >= report["frames"] - 30 - 45, "no more than a second's frames is lost beside the black ones")
+    expect(report["ate_m"]["rmse"] <= MAX_ATE_M, f"the error is at most {MAX_ATE_M} m")
+    expect(report["ate_m"]["max"] <= 0.35, "no pose is off by more than 0.35 m")
 
 
 MAX_ATE_M = 0.06

@@ -26,25 +26,28 @@ constexpr const char* kFooter =
     "\n"
     "Scenarios: static (nobody), walking (three together, standing and strolling close to the camera), sitting (on\n"
     "chairs, fidgeting), crowd (each for himself, some seated), crossing (one by one, close to the camera),\n"
-    "carried (nobody, but a board is carried before the camera: see --segmenter geometry).\n"
+    "carried (nobody, but a board is carried before the camera: see --segmenter geometry), building (a ring of\n"
+    "corridors and rooms, 61 m round, where people walk; on the paths ring and ring_back).\n"
     "Paths: orbit (once round the table in 34 s), loop (looks outwards, a round in 15 s), xyz, rpy, halfsphere, "
-    "static.\n"
+    "static;\nring and ring_back (77 s round a building, this way or the other).\n"
     "\n"
     "Examples:\n"
     "  rds synth --out room                                          people walking, 10 s\n"
     "  rds synth --out exact --scenario static --noise off           a test of the tracker alone\n"
+    "  rds synth --out ring --scenario building --frames 2700        once round a building, and on where it began\n"
     "  rds synth --out hall --scenario crowd --path halfsphere --frames 900 --seed 7\n";
 
 struct SynthArguments {
   std::string out;
   std::string scenario = "walking";
-  std::string path = "orbit";
+  std::string path;  // "" = as the scenario has it
   std::string noise = "on";
   int frames = 300;
   int width = 640;
   std::optional<int> height;  // otherwise three quarters of the width
   std::optional<int> movers;  // otherwise as the scenario has it
   std::uint64_t seed = 1;
+  bool alike = false;
 };
 
 std::string Joined(const std::vector<std::string>& names) { return fmt::format("{}", fmt::join(names, ", ")); }
@@ -70,7 +73,12 @@ SyntheticOptions OptionsFrom(const SynthArguments& arguments) {
     throw InputError(fmt::format("--movers: {} is out of range (0 to {})", *arguments.movers, kMaxSyntheticMovers));
   }
   options.scenario = ParseSyntheticScenario(arguments.scenario);
-  options.path = ParseSyntheticPath(arguments.path);
+  if (!arguments.path.empty()) {
+    options.path = ParseSyntheticPath(arguments.path);
+  } else if (options.scenario == SyntheticScenario::kBuilding) {
+    options.path = SyntheticPath::kRing;
+  }
+  options.alike = arguments.alike;
   options.camera = MakeSyntheticCamera(arguments.width, arguments.height.value_or(arguments.width * 3 / 4));
   options.frames = arguments.frames;
   options.seed = arguments.seed;
@@ -102,8 +110,8 @@ class WritingProgress {
 void RunSynth(const SynthArguments& arguments) {
   const SyntheticOptions options = OptionsFrom(arguments);
   PrepareOutputFolder(arguments.out);
-  std::cerr << fmt::format("building the room (scenario {}, path {}, {} movers, seed {})\n", arguments.scenario,
-                           arguments.path, ResolveMovers(options), options.seed);
+  std::cerr << fmt::format("building it (scenario {}, path {}, {} movers, seed {})\n", arguments.scenario,
+                           NameOf(options.path), ResolveMovers(options), options.seed);
   const SyntheticWorld world(options);
   WritingProgress progress(options.frames);
   WriteSyntheticSequence(world, arguments.out, [&](int done) { progress.Update(done); });
@@ -134,7 +142,7 @@ void AddSynthCommand(CLI::App& app) {
       ->type_name("NAME");
   command
       ->add_option("--path", arguments->path,
-                   "How the camera moves: " + Joined(SyntheticPathNames()) + "; default orbit")
+                   "How the camera moves: " + Joined(SyntheticPathNames()) + "; default orbit, in a building ring")
       ->type_name("NAME");
   command->add_option("--frames", arguments->frames, "Number of frames, at 30 Hz; default 300")->type_name("N");
   command->add_option("--seed", arguments->seed, "Room, people, tremor of the hand and noise follow from it; default 1")
@@ -148,6 +156,7 @@ void AddSynthCommand(CLI::App& app) {
       ->add_option("--movers", arguments->movers,
                    fmt::format("Number of people, 0 to {}; default: as the scenario has it", kMaxSyntheticMovers))
       ->type_name("N");
+  command->add_flag("--alike", arguments->alike, "In a building: all rooms and doors look the same");
   command->add_option("--width", arguments->width, "Image width; default 640")->type_name("PIXELS");
   command->add_option("--height", arguments->height, "Image height; default: three quarters of the width")
       ->type_name("PIXELS");

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/random.h"
+#include "synth/building.h"
 
 namespace rds::synthetic {
 namespace {
@@ -77,6 +78,11 @@ Gaze GazeAt(SyntheticPath path, double t) {
       return Halfsphere(t);
     case SyntheticPath::kStatic:
       return Still(t);
+    case SyntheticPath::kRing:
+    case SyntheticPath::kRingBack: {
+      const Rigid3 pose = RingGaze(t, path == SyntheticPath::kRingBack);
+      return {pose.translation, pose.rotation * Eigen::Vector3d::UnitZ(), 0};
+    }
   }
   throw InvariantError("camera path without a motion");
 }

@@ -9,22 +9,25 @@
 namespace rds {
 namespace {
 
-constexpr std::array<std::pair<SyntheticScenario, std::string_view>, 6> kScenarios{{
+constexpr std::array<std::pair<SyntheticScenario, std::string_view>, 7> kScenarios{{
     {SyntheticScenario::kStatic, "static"},
     {SyntheticScenario::kWalking, "walking"},
     {SyntheticScenario::kSitting, "sitting"},
     {SyntheticScenario::kCrowd, "crowd"},
     {SyntheticScenario::kCarried, "carried"},
     {SyntheticScenario::kCrossing, "crossing"},
+    {SyntheticScenario::kBuilding, "building"},
 }};
 
-constexpr std::array<std::pair<SyntheticPath, std::string_view>, 6> kPaths{{
+constexpr std::array<std::pair<SyntheticPath, std::string_view>, 8> kPaths{{
     {SyntheticPath::kOrbit, "orbit"},
     {SyntheticPath::kLoop, "loop"},
     {SyntheticPath::kXyz, "xyz"},
     {SyntheticPath::kRpy, "rpy"},
     {SyntheticPath::kHalfsphere, "halfsphere"},
     {SyntheticPath::kStatic, "static"},
+    {SyntheticPath::kRing, "ring"},
+    {SyntheticPath::kRingBack, "ring_back"},
 }};
 
 template <typename Table>
@@ -89,6 +92,8 @@ int ResolveMovers(const SyntheticOptions& options) {
     case SyntheticScenario::kStatic:
     case SyntheticScenario::kCarried:
       return 0;
+    case SyntheticScenario::kBuilding:
+      return 4;
     case SyntheticScenario::kCrowd:
       return 6;
     case SyntheticScenario::kSitting:
@@ -113,6 +118,13 @@ void Validate(const SyntheticOptions& options) {
   if (options.movers < -1 || options.movers > kMaxSyntheticMovers) {
     throw InputError("movers: " + std::to_string(options.movers) + " is out of range (0 to " +
                      std::to_string(kMaxSyntheticMovers) + ")");
+  }
+  const bool is_ring = options.path == SyntheticPath::kRing || options.path == SyntheticPath::kRingBack;
+  if (is_ring != (options.scenario == SyntheticScenario::kBuilding)) {
+    throw InputError("the paths ring and ring_back are those of the scenario 'building', and the only ones there");
+  }
+  if (options.alike && options.scenario != SyntheticScenario::kBuilding) {
+    throw InputError("alike: only the scenario 'building' has rooms that can look the same");
   }
   const bool has_people =
       options.scenario != SyntheticScenario::kStatic && options.scenario != SyntheticScenario::kCarried;

@@ -18,6 +18,7 @@ enum class SyntheticScenario : std::uint8_t {
   kCrowd,     // many: three in four walk, the rest sit
   kCarried,   // nobody in view, but a printed board is carried before the camera: no network knows it
   kCrossing,  // people cross the view close to the camera, .8 to 1.4 m
+  kBuilding,  // a ring of corridors with rooms, 61 m once round, where people walk; on the ring's paths only
 };
 
 enum class SyntheticPath : std::uint8_t {
@@ -27,6 +28,8 @@ enum class SyntheticPath : std::uint8_t {
   kRpy,         // turning about the three axes, place kept
   kHalfsphere,  // on a half sphere about the table
   kStatic,      // held still
+  kRing,        // round the building: 77 s a round
+  kRingBack,    // the other way round, on the other side of the corridor
 };
 
 // TUM-like camera: 525 px focal length at 640 x 480, scaled with the width. No distortion. Width and height > 0.
@@ -38,8 +41,9 @@ struct SyntheticOptions {
   SyntheticPath path = SyntheticPath::kOrbit;
   int frames = 300;  // >= 1, at 30 Hz
   std::uint64_t seed = 1;
-  bool noise = true;  // sensor noise of color and depth; without, both are exact at any range
-  int movers = -1;    // 0 to 12; -1: as many as the scenario has of itself
+  bool noise = true;   // sensor noise of color and depth; without, both are exact at any range
+  int movers = -1;     // 0 to 12; -1: as many as the scenario has of itself
+  bool alike = false;  // kBuilding: all rooms and doors look the same
 };
 
 inline constexpr int kMaxSyntheticMovers = 12;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "synth/building.h"
 #include "synth/camera_path.h"
 #include "synth/carried_board.h"
 #include "synth/depth_sensor.h"
@@ -20,14 +21,23 @@ namespace rds {
 
 struct SyntheticWorld::Impl {
   explicit Impl(const SyntheticOptions& options_)
-      : options(options_),
-        room(synthetic::BuildRoom(options_.seed, std::clamp(640.0 / options_.camera.width, 1.0, 2.5))),
-        path(options_.path, options_.seed),
-        movers(synthetic::PlanMovers(options_.scenario, ResolveMovers(options_), room, path,
-                                     (options_.frames - 1) / kSyntheticFrameRateHz, options_.seed)) {
+      : options(options_), room(BuildStage(options_)), path(options_.path, options_.seed), movers(PlanPeople()) {
     if (options.scenario == SyntheticScenario::kCarried) {
       board.emplace(options.seed);
     }
+  }
+
+  static synthetic::Room BuildStage(const SyntheticOptions& options) {
+    const double texel_scale = std::clamp(640.0 / options.camera.width, 1.0, 2.5);
+    return options.scenario == SyntheticScenario::kBuilding
+               ? synthetic::BuildBuilding(options.seed, options.alike, texel_scale)
+               : synthetic::BuildRoom(options.seed, texel_scale);
+  }
+  [[nodiscard]] std::vector<synthetic::Mover> PlanPeople() const {
+    const double duration_s = (options.frames - 1) / kSyntheticFrameRateHz;
+    return options.scenario == SyntheticScenario::kBuilding
+               ? synthetic::PlanRingWalkers(ResolveMovers(options), duration_s, options.seed)
+               : synthetic::PlanMovers(options.scenario, ResolveMovers(options), room, path, duration_s, options.seed);
   }
 
   SyntheticOptions options;
