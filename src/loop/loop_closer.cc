@@ -29,6 +29,9 @@ constexpr double kTurnPerWay_rad = 0.5 * std::numbers::pi / 180;
 // Below this there is nothing to bend.
 constexpr double kNothing_m = 0.01;
 constexpr double kNothing_rad = 0.2 * std::numbers::pi / 180;
+// Beyond this the pose graph is not the last word.
+constexpr double kFar_m = 0.03;
+constexpr double kFar_rad = 0.5 * std::numbers::pi / 180;
 
 // Length of the way between two keyframes of a world, meters, along those in between.
 double WayBetween(const Map& map, KeyframeId a, KeyframeId b) {
@@ -211,7 +214,9 @@ std::optional<Closure> LoopCloser::CloseLoop(MapAccess& map, const Subject& subj
   std::vector<LoopEdge> loops = loops_;
   loops.push_back(loop);
   const Rigid3 shift = found.camera_from_world * subject.camera_from_world.Inverse();
-  const bool moves = shift.translation.norm() > kNothing_m || AngleOf(shift.rotation) > kNothing_rad;
+  const double shift_m = shift.translation.norm();
+  const double shift_rad = AngleOf(shift.rotation);
+  const bool moves = shift_m > kNothing_m || shift_rad > kNothing_rad;
   if (moves) {
     const EssentialGraph graph =
         map.Read([&](const Map& locked) { return PlanEssentialGraph(locked, subject.world, loops); });
@@ -234,8 +239,10 @@ std::optional<Closure> LoopCloser::CloseLoop(MapAccess& map, const Subject& subj
   }
   loops_ = std::move(loops);
   Weld(map, keyframe, found);
-  return Closure{keyframe, found.keyframe, subject.world, {}, correction, static_cast<int>(found.matches.size()),
-                 moves};
+  return Closure{keyframe,      found.keyframe,
+                 subject.world, {},
+                 correction,    static_cast<int>(found.matches.size()),
+                 moves,         shift_m > kFar_m || shift_rad > kFar_rad};
 }
 
 std::optional<Closure> LoopCloser::MergeWorlds(MapAccess& map, KeyframeId keyframe, const PlaceFound& found) {
@@ -252,7 +259,7 @@ std::optional<Closure> LoopCloser::MergeWorlds(MapAccess& map, KeyframeId keyfra
     const std::size_t place_size = locked.KeyframesIn(place->world);
     const bool own_stays = options_.keep == KeptWorld::kCurrent || own_size > place_size ||
                            (own_size == place_size && own->world < place->world);
-    Closure result{keyframe, found.keyframe, {}, {}, {}, static_cast<int>(found.matches.size()), true};
+    Closure result{keyframe, found.keyframe, {}, {}, {}, static_cast<int>(found.matches.size()), true, true};
     result.world = own_stays ? own->world : place->world;
     result.merged = own_stays ? place->world : own->world;
     result.into_from_from = own_stays ? place_world_from_own.Inverse() : place_world_from_own;

@@ -23,7 +23,8 @@ struct Closure {
   WorldId merged;         // that was merged into it; invalid for a loop
   Rigid3 into_from_from;  // where what was moved is now: of the merged world, or of the keyframe for a loop
   int matches = 0;
-  bool moved = true;  // false: all was in place already, points were fused only
+  bool moved = true;      // false: all was in place already, points were fused only
+  bool moved_far = true;  // so far that all of the world is worth a bundle adjustment
 };
 
 // Knows no thread; one caller at a time but for Adjust. Publishes nothing: the caller does where a Closure comes back.

@@ -10,8 +10,19 @@ namespace rds {
 namespace {
 
 constexpr std::size_t kMaxDenseBlocks = 100;  // where the dense and the sparse solver take about as long
+// With many blocks declared, the factors of a sparse matrix are dense, and the sparse solver is the slower one.
+constexpr std::size_t kMaxDenserBlocks = 600;
+constexpr double kDense = 0.2;  // share of all blocks
 
 }  // namespace
+
+struct BlockSystem::SparseFactors {
+  Eigen::SimplicialLLT<Eigen::SparseMatrix<double>, Eigen::Lower> solver;
+};
+
+BlockSystem::~BlockSystem() = default;
+BlockSystem::BlockSystem(BlockSystem&&) noexcept = default;
+BlockSystem& BlockSystem::operator=(BlockSystem&&) noexcept = default;
 
 BlockSystem::BlockSystem(std::size_t blocks)
     : size_(blocks), index_(blocks <= kMaxIndexed ? blocks * blocks : 0, -1), columns_(blocks) {
@@ -21,6 +32,7 @@ BlockSystem::BlockSystem(std::size_t blocks)
 }
 
 void BlockSystem::Declare(std::size_t row, std::size_t column) {
+  sparse_.reset();
   if (size_ <= kMaxIndexed) {
     std::int32_t& index = index_[row * size_ + column];
     if (index >= 0) {
@@ -43,8 +55,11 @@ std::int32_t BlockSystem::Find(std::size_t row, std::size_t column) const {
 
 void BlockSystem::SetZero() { blocks_.assign(static_cast<std::size_t>(declared_), Block::Zero()); }
 
-Eigen::VectorXd BlockSystem::Solve(const Eigen::VectorXd& right) const {
-  return size_ <= kMaxDenseBlocks ? SolveDense(right) : SolveSparse(right);
+Eigen::VectorXd BlockSystem::Solve(const Eigen::VectorXd& right) {
+  const double all = 0.5 * static_cast<double>(size_) * static_cast<double>(size_ + 1);
+  const bool is_dense =
+      size_ <= kMaxDenseBlocks || (size_ <= kMaxDenserBlocks && static_cast<double>(declared_) > kDense * all);
+  return is_dense ? SolveDense(right) : SolveSparse(right);
 }
 
 Eigen::VectorXd BlockSystem::SolveDense(const Eigen::VectorXd& right) const {
@@ -63,7 +78,7 @@ Eigen::VectorXd BlockSystem::SolveDense(const Eigen::VectorXd& right) const {
   return factors.solve(right);
 }
 
-Eigen::VectorXd BlockSystem::SolveSparse(const Eigen::VectorXd& right) const {
+Eigen::VectorXd BlockSystem::SolveSparse(const Eigen::VectorXd& right) {
   const auto order = static_cast<Eigen::Index>(6 * size_);
   Eigen::SparseMatrix<double> matrix(order, order);
   matrix.reserve(36 * static_cast<Eigen::Index>(declared_));
@@ -80,11 +95,15 @@ Eigen::VectorXd BlockSystem::SolveSparse(const Eigen::VectorXd& right) const {
     }
   }
   matrix.finalize();
-  const Eigen::SimplicialLLT<Eigen::SparseMatrix<double>, Eigen::Lower> factors(matrix);
-  if (factors.info() != Eigen::Success) {
+  if (sparse_ == nullptr) {
+    sparse_ = std::make_unique<SparseFactors>();
+    sparse_->solver.analyzePattern(matrix);
+  }
+  sparse_->solver.factorize(matrix);
+  if (sparse_->solver.info() != Eigen::Success) {
     return {};
   }
-  return factors.solve(right);
+  return sparse_->solver.solve(right);
 }
 
 }  // namespace rds

@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 namespace rds {
@@ -17,6 +18,9 @@ class BlockSystem {
   using Block = Eigen::Matrix<double, 6, 6>;
 
   explicit BlockSystem(std::size_t blocks);
+  ~BlockSystem();
+  BlockSystem(BlockSystem&&) noexcept;
+  BlockSystem& operator=(BlockSystem&&) noexcept;
 
   // Declares block (row, column), row >= column. Diagonal blocks are always there. Before SetZero only.
   void Declare(std::size_t row, std::size_t column);
@@ -28,13 +32,14 @@ class BlockSystem {
   }
   // x with S x = right, right having 6 n rows; of diagonal blocks only the lower triangles are read. Empty if S is not
   // positive definite.
-  [[nodiscard]] Eigen::VectorXd Solve(const Eigen::VectorXd& right) const;
+  [[nodiscard]] Eigen::VectorXd Solve(const Eigen::VectorXd& right);
 
   [[nodiscard]] std::size_t size() const { return size_; }
 
  private:
-  static constexpr std::size_t kMaxIndexed = 256;  // blocks in a row; the index of larger systems is searched
+  static constexpr std::size_t kMaxIndexed = 600;  // blocks in a row; the index of larger systems is searched
 
+  struct SparseFactors;  // keep the ordering from one Solve to the next
   struct Entry {
     std::uint32_t row = 0;
     std::int32_t index = 0;  // into blocks_
@@ -42,13 +47,14 @@ class BlockSystem {
 
   [[nodiscard]] std::int32_t Find(std::size_t row, std::size_t column) const;  // -1 = not declared
   [[nodiscard]] Eigen::VectorXd SolveDense(const Eigen::VectorXd& right) const;
-  [[nodiscard]] Eigen::VectorXd SolveSparse(const Eigen::VectorXd& right) const;
+  [[nodiscard]] Eigen::VectorXd SolveSparse(const Eigen::VectorXd& right);
 
   std::size_t size_;
   std::vector<std::int32_t> index_;          // of small systems: into blocks_, row by row; -1 = not declared
   std::vector<std::vector<Entry>> columns_;  // those declared, ascending by row
   std::vector<Block> blocks_;
   std::int32_t declared_ = 0;
+  std::unique_ptr<SparseFactors> sparse_;
 };
 
 }  // namespace rds

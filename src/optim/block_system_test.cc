@@ -44,7 +44,7 @@ Eigen::MatrixXd Fill(std::size_t size, BlockSystem* system) {
 }
 
 TEST(BlockSystem, SolvesLikeADenseMatrixSmallAndLarge) {
-  for (const std::size_t size : {1U, 5U, 40U, 130U, 300U}) {
+  for (const std::size_t size : {1U, 5U, 40U, 130U, 700U}) {
     BlockSystem system(size);
     const Eigen::MatrixXd matrix = Fill(size, &system);
     const Eigen::VectorXd expected = Eigen::VectorXd::LinSpaced(matrix.rows(), -1, 2);
@@ -55,7 +55,7 @@ TEST(BlockSystem, SolvesLikeADenseMatrixSmallAndLarge) {
 }
 
 TEST(BlockSystem, SaysSoIfNotPositiveDefinite) {
-  for (const std::size_t size : {2U, 130U, 300U}) {
+  for (const std::size_t size : {2U, 130U, 700U}) {
     BlockSystem system(size);
     Fill(size, &system);
     system.At(1, 1)(3, 3) = -150;

@@ -60,7 +60,7 @@ bool LoopLane::Learn(KeyframeId keyframe, bool only_index) {
   event.into_from_from = closure->into_from_from;
   event.matches = closure->matches;
   Record(event);
-  return true;
+  return closure->moved_far;
 }
 
 void LoopLane::Adjust(const std::function<bool()>& stop) {
