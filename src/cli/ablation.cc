@@ -73,6 +73,8 @@ std::span<const AblationVariant> AblationVariants() {
       AblationVariant{"labeled bundle",
                       "only labeled keyframes take part in local bundle adjustment, as the paper has it",
                       {"mapping.ba_labeled_only=true"}},
+      AblationVariant{"no places", "places are not recognized: no loop, no merge", {"loop.enabled=false"}},
+      AblationVariant{"no full bundle", "no full bundle adjustment after a loop", {"loop.bundle=false"}},
       AblationVariant{"sequential", "keyframes are labeled in their order", {"semantic.selection=sequential"}},
       AblationVariant{"newest", "only the newest keyframes are labeled", {"semantic.selection=newest"}},
       AblationVariant{"busy",

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 
 #include "base/time.h"
 #include "cli/playback.h"
@@ -28,12 +29,15 @@ class ProgressObserver final : public PlaybackObserver {
 class VideoObserver final : public PlaybackObserver {
  public:
   explicit VideoObserver(VideoRecorder& recorder) : recorder_(recorder) {}
+  void OnEvent(const SlamEvent& event) override;
   void AfterFrame(const RgbdFrame& frame, const FrameResult& result, const Slam& slam) override;
 
  private:
   VideoRecorder& recorder_;
   FrameRateMeter rate_;
   Stopwatch watch_;
+  std::string note_;             // on the last event
+  double note_ends_s_ = -1e300;  // by the recording's clock
 };
 
 }  // namespace rds

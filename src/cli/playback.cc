@@ -142,7 +142,9 @@ PlaybackResult Play(const Dataset& dataset, const PinholeCamera& camera, const O
     if (!result.first_pose_after_s && processed.world_from_camera) {
       result.first_pose_after_s = wall.Seconds();
     }
+    const std::vector<SlamEvent> events = slam.TakeEvents();
     for (PlaybackObserver* observer : observers) {
+      std::ranges::for_each(events, [&](const SlamEvent& event) { observer->OnEvent(event); });
       observer->AfterFrame(frame, processed, slam);
     }
     processed.features.clear();

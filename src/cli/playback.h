@@ -25,6 +25,8 @@ class PlaybackObserver {
  public:
   virtual ~PlaybackObserver() = default;
   virtual void BeforeFrame(const RgbdFrame& /*frame*/) {}
+  // What happened to the map as a whole since the frame before; before AfterFrame.
+  virtual void OnEvent(const SlamEvent& /*event*/) {}
   virtual void AfterFrame(const RgbdFrame& /*frame*/, const FrameResult& /*result*/, const Slam& /*slam*/) {}
 };
 

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <vector>
 
 #include "base/error.h"
 #include "cli/frame_source.h"
@@ -73,6 +74,23 @@ class Interrupter final : public PlaybackObserver {
  private:
   int left_;
 };
+
+// Keeps what it is told.
+class Listener final : public PlaybackObserver {
+ public:
+  void OnEvent(const SlamEvent& event) override { events.push_back(event); }
+
+  std::vector<SlamEvent> events;
+};
+
+TEST_F(PlaybackTest, ObserversAreToldWhatHappensToTheMap) {
+  Listener listener;
+  const std::vector<PlaybackObserver*> observers = {&listener};
+  const PlaybackResult result = PlayAll(0, observers);
+  ASSERT_EQ(listener.events.size(), 1U);
+  EXPECT_EQ(listener.events[0].kind, SlamEventKind::kWorldStarted);
+  EXPECT_EQ(listener.events[0].timestamp_s, result.frames.front().timestamp_s);
+}
 
 TEST_F(PlaybackTest, SourceGivesAllFramesInOrder) {
   const Dataset dataset = Dataset::Open(sequence_);

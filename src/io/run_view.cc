@@ -82,6 +82,10 @@ void DrawStatus(const RunViewContent& content, cv::Mat& canvas) {
           fmt::format("frame {}  {}  {:.1f} fps{}", result.frame.value, ToString(result.state), content.frames_per_s,
                       delay),
           {6, 15});
+  if (!content.note.empty()) {
+    Darken(canvas(cv::Rect(0, kBarHeight, canvas.cols, kBarHeight)));
+    PutText(canvas, content.note, {6, kBarHeight + 15});
+  }
 }
 
 void DrawLegend(const FrameResult& result, cv::Mat& canvas) {
@@ -184,6 +188,10 @@ Image8 RunView::Draw(const RunViewContent& content) {
   DrawStatus(content, left);
   DrawLegend(content.result, left);
 
+  if (content.result.world_from_camera && content.result.world != world_) {  // the path before has no place in this one
+    world_ = content.result.world;
+    path_in_world_.clear();
+  }
   if (content.result.world_from_camera) {
     path_in_world_.push_back(content.result.world_from_camera->translation);
     GrowBounds(path_in_world_.back());

@@ -5,8 +5,10 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <string>
 #include <vector>
 
+#include "base/ids.h"
 #include "base/image.h"
 #include "system/frame.h"
 #include "system/slam.h"
@@ -20,6 +22,7 @@ struct RunViewContent {
   MaskView mask;
   std::shared_ptr<const MapView> map;  // may be some frames old; null = none yet
   double frames_per_s = 0;             // measured
+  std::string note;                    // to be read below the status; "" = none
 };
 
 // Draws pictures of consecutive frames; remembers the path walked and the bounds of the map, so that the view from
@@ -37,6 +40,7 @@ class RunView {
  private:
   void GrowBounds(const Eigen::Vector3d& point_in_world);
 
+  WorldId world_;                                            // that the path is in
   std::vector<Eigen::Vector3d> path_in_world_;               // camera centers; meters
   Eigen::Vector2d low_m_ = Eigen::Vector2d::Constant(-0.5);  // of (x, z) in the world
   Eigen::Vector2d high_m_ = Eigen::Vector2d::Constant(0.5);

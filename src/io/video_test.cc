@@ -77,6 +77,43 @@ TEST(RunView, TakesGrayImagesLostFramesAndFarPoints) {
   EXPECT_NO_THROW((void)view.Draw(content));
 }
 
+TEST(RunView, SaysWhatHappenedToTheMap) {
+  RunViewContent content = ContentOf(0);
+  RunView view;
+  const auto bright = [&] {  // pixels of the line below the status
+    const Image8 picture = view.Draw(content);
+    int count = 0;
+    for (int y = 23; y < 43; ++y) {
+      for (int x = 0; x < kWidth; ++x) {
+        count += Pixel(picture, x, y)[0] > 200 ? 1 : 0;
+      }
+    }
+    return count;
+  };
+  EXPECT_EQ(bright(), 0);
+  content.note = "found again in world 0";
+  EXPECT_GT(bright(), 100);
+}
+
+TEST(RunView, ThePathBeginsAnewInAnotherWorld) {
+  RunView view;
+  const auto path_pixels = [&](std::uint32_t frame, std::uint32_t world) {
+    RunViewContent content = ContentOf(frame);
+    content.result.world = WorldId{world};
+    const Image8 picture = view.Draw(content);
+    int count = 0;
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = kWidth; x < picture.width; ++x) {
+        count += Pixel(picture, x, y) == std::array<int, 3>{200, 90, 20} ? 1 : 0;
+      }
+    }
+    return count;
+  };
+  path_pixels(0, 0);
+  EXPECT_GT(path_pixels(60, 0), 50);
+  EXPECT_EQ(path_pixels(61, 1), 0);
+}
+
 TEST(RunView, SameInputSamePicture) {
   RunView a;
   RunView b;

@@ -48,7 +48,10 @@ void Backend::Publish(std::shared_ptr<const LocalMap> map) {
 
 void Backend::PublishView() {
   if (views_) {
-    view_.Publish(std::make_shared<const MapView>(MakeView()));
+    // Worlds have nothing to do with each other: one is shown, that of the newest keyframe.
+    const auto world = Read(
+        [](const Map& map) { return map.newest().valid() ? std::optional(map.At(map.newest()).world) : std::nullopt; });
+    view_.Publish(std::make_shared<const MapView>(MakeView(world)));
   }
 }
 
@@ -57,13 +60,19 @@ std::shared_ptr<const MapView> Backend::CurrentView() const {
   return view ? view : std::make_shared<const MapView>();
 }
 
-MapView Backend::MakeView() const {
+MapView Backend::MakeView(std::optional<WorldId> world) const {
   return Read([&](const Map& map) {
     MapView view;
     for (const KeyframeId id : map.keyframes()) {
+      if (world && map.At(id).world != *world) {
+        continue;
+      }
       view.keyframes.push_back(map.At(id).camera_from_world.Inverse());
     }
     for (const PointId id : map.Points()) {
+      if (world && map.At(map.At(id).reference).world != *world) {
+        continue;
+      }
       view.points.push_back(map.At(id).position.cast<float>());
       view.moving_probability.push_back(static_cast<float>(map.probabilities().Get(id)));
     }

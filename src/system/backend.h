@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "map/local_map.h"
 #include "map/map_access.h"
@@ -32,7 +33,8 @@ class Backend final : public MapAccess {
   [[nodiscard]] std::shared_ptr<const LocalMap> CurrentLocalMap() const { return local_map_.Get(); }
   [[nodiscard]] std::shared_ptr<const MapView> CurrentView() const;
 
-  [[nodiscard]] MapView MakeView() const;
+  // Of one world, or of all.
+  [[nodiscard]] MapView MakeView(std::optional<WorldId> world = std::nullopt) const;
   [[nodiscard]] LockTimes lock_times() const;
 
  protected:

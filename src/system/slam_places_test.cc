@@ -223,9 +223,12 @@ TEST_P(SlamPlaces, APieceBegunElsewhereIsMergedWhereItIsSeenAgainAndNobodyJumps)
     before = &frame;
   }
   EXPECT_GT(checked, 80);
-  // The merge shows in the live poses.
-  EXPECT_EQ(played.frames.back().world, played.result.worlds.front().world);
-  EXPECT_GT(played.frames.back().epoch, played.frames.front().epoch);
+  // The merge shows in the live poses within five frames (Kimera-VIO #235: a correction that never gets there).
+  const auto merge = std::ranges::find(played.result.events, SlamEventKind::kWorldsMerged, &SlamEvent::kind);
+  for (std::size_t i = merge->frame.index() + 5; i < played.frames.size(); ++i) {
+    EXPECT_EQ(played.frames[i].world, played.result.worlds.front().world) << i;
+    EXPECT_GT(played.frames[i].epoch, played.frames.front().epoch) << i;
+  }
 }
 
 TEST(SlamPlacesLockstep, WithoutPlacesALostCameraIsLookedForAroundItsLastPoseOnly) {
