@@ -2,7 +2,6 @@
 #include "place/place_search.h"
 
 #include <algorithm>
-#include <unordered_map>
 #include <unordered_set>
 
 #include "base/error.h"
@@ -187,9 +186,11 @@ std::vector<Descriptor> IndexedDescriptors(const Map& map, KeyframeId id) {
 
 std::vector<KeyframeId> ProposePlaces(const Map& map, std::span<const PlaceScore> scores, std::size_t most,
                                       const std::function<bool(const Keyframe&)>& is_wanted) {
-  std::unordered_map<KeyframeId, float> own;
+  std::vector<float> own(map.keyframes().empty() ? 0 : map.newest().index() + 1, 0.0F);
   for (const PlaceScore& score : scores) {
-    own.emplace(score.keyframe, score.score);
+    if (score.keyframe.index() < own.size()) {
+      own[score.keyframe.index()] = score.score;
+    }
   }
   std::vector<PlaceScore> groups;
   for (const PlaceScore& score : scores) {
@@ -199,8 +200,7 @@ std::vector<KeyframeId> ProposePlaces(const Map& map, std::span<const PlaceScore
     }
     PlaceScore group = score;
     for (std::size_t i = 0; i < std::min(kGroupScores, keyframe->covisible.size()); ++i) {
-      const auto other = own.find(keyframe->covisible[i].keyframe);
-      group.score += other != own.end() ? other->second : 0.0F;
+      group.score += own[keyframe->covisible[i].keyframe.index()];
     }
     groups.push_back(group);
   }
