@@ -87,9 +87,8 @@ std::optional<PlaceFound> LoopCloser::Relocalize(const MapAccess& map, const Pla
   });
   std::optional<PlaceFound> best;
   for (const KeyframeId candidate : candidates) {
-    const auto [plan, probabilities] =
-        map.Read([&](const Map& locked) { return std::pair(PlanPlace(locked, candidate), &locked.probabilities()); });
-    auto found = plan ? VerifyPlace(query, *plan, *probabilities, pyramid_, pose_) : std::nullopt;
+    const auto plan = map.Read([&](const Map& locked) { return PlanPlace(locked, candidate); });
+    auto found = plan ? VerifyPlace(query, *plan, pyramid_, pose_) : std::nullopt;
     if (found && IsWithin(*found, kRelocalizationBounds) && (!best || found->matches.size() > best->matches.size())) {
       best = std::move(found);
       if (best->matches.size() >= kClearMatches) {
@@ -122,25 +121,21 @@ std::optional<LoopCloser::Subject> LoopCloser::Describe(const MapAccess& map, Ke
   });
 }
 
-std::optional<PlaceFound> LoopCloser::FindAgain(const MapAccess& map, const Subject& subject, bool in_own_world) const {
-  const std::vector<PlaceScore> scores = index_.Query(subject.query.Descriptors());
+std::optional<PlaceFound> LoopCloser::FindAgain(const MapAccess& map, const Subject& subject,
+                                                std::span<const PlaceScore> scores, bool in_own_world) const {
   const auto candidates = map.Read([&](const Map& locked) {
     return ProposePlaces(locked, scores, kLoopCandidates, [&](const Keyframe& keyframe) {
       return (keyframe.world == subject.world) == in_own_world && !subject.around.contains(keyframe.id);
     });
   });
   for (const KeyframeId candidate : candidates) {
-    const auto [plan, probabilities] =
-        map.Read([&](const Map& locked) { return std::pair(PlanPlace(locked, candidate), &locked.probabilities()); });
-    if (!plan) {
-      continue;
-    }
-    auto found = VerifyPlace(subject.query, *plan, *probabilities, pyramid_, pose_);
+    const auto plan = map.Read([&](const Map& locked) { return PlanPlace(locked, candidate); });
+    auto found = plan ? VerifyPlace(subject.query, *plan, pyramid_, pose_) : std::nullopt;
     if (!found || !IsWithin(*found, kLoopBounds)) {
       continue;
     }
     const std::optional<int> wanted = in_own_world ? WitnessesWanted(map, subject, *found) : 1;
-    if (wanted && IsWitnessed(map, subject, *found, *wanted)) {
+    if (wanted && IsWitnessed(map, subject, *plan, *found, *wanted)) {
       return found;
     }
   }
@@ -160,32 +155,27 @@ std::optional<int> LoopCloser::WitnessesWanted(const MapAccess& map, const Subje
   return std::ssize(found.matches) >= 2 * kLoopBounds.matches ? std::optional(2) : std::nullopt;
 }
 
-bool LoopCloser::IsWitnessed(const MapAccess& map, const Subject& subject, const PlaceFound& found, int wanted) const {
+bool LoopCloser::IsWitnessed(const MapAccess& map, const Subject& subject, const PlaceCandidate& surroundings,
+                             const PlaceFound& found, int wanted) const {
+  struct Witness {
+    PlaceQuery query;
+    Rigid3 camera_from_own_world;
+  };
   // Where the keyframe's world lies in that of the place.
   const Rigid3 place_world_from_own = found.camera_from_world.Inverse() * subject.camera_from_world;
-  for (const KeyframeId witness : subject.witnesses) {
-    struct Question {
-      PlaceQuery query;
-      Rigid3 camera_from_own_world;
-      std::optional<PlaceCandidate> plan;
-      const MovingProbabilities* probabilities = nullptr;
-    };
-    const auto question = map.Read([&](const Map& locked) -> std::optional<Question> {
-      const Keyframe* const keyframe = locked.Find(witness);
-      return keyframe != nullptr ? std::optional(Question{{keyframe->data, keyframe->labels},
-                                                          keyframe->camera_from_world,
-                                                          PlanPlace(locked, found.keyframe),
-                                                          &locked.probabilities()})
-                                 : std::nullopt;
+  for (const KeyframeId id : subject.witnesses) {
+    const auto witness = map.Read([&](const Map& locked) -> std::optional<Witness> {
+      const Keyframe* const keyframe = locked.Find(id);
+      return keyframe != nullptr
+                 ? std::optional(Witness{{keyframe->data, keyframe->labels}, keyframe->camera_from_world})
+                 : std::nullopt;
     });
-    if (!question || !question->plan) {
+    if (!witness) {
       continue;
     }
-    const Rigid3 expected = question->camera_from_own_world * place_world_from_own.Inverse();
-    const auto seen = VerifyPose(question->query, expected, *question->plan, *question->probabilities, pyramid_, pose_);
-    if (seen && IsWithin(*seen, kWitnessBounds)) {
-      --wanted;
-    }
+    const auto seen = VerifyPose(witness->query, witness->camera_from_own_world * place_world_from_own.Inverse(),
+                                 surroundings, pyramid_, pose_);
+    wanted -= seen && IsWithin(*seen, kWitnessBounds) ? 1 : 0;
     if (wanted <= 0) {
       return true;
     }
@@ -198,10 +188,11 @@ std::optional<Closure> LoopCloser::Close(MapAccess& map, KeyframeId keyframe) {
   if (!subject) {
     return std::nullopt;
   }
-  if (const auto found = FindAgain(map, *subject, false)) {
+  const std::vector<PlaceScore> scores = index_.Query(subject->query.Descriptors());
+  if (const auto found = FindAgain(map, *subject, scores, false)) {
     return MergeWorlds(map, keyframe, *found);
   }
-  if (const auto found = FindAgain(map, *subject, true)) {
+  if (const auto found = FindAgain(map, *subject, scores, true)) {
     return CloseLoop(map, *subject, *found);
   }
   return std::nullopt;
@@ -239,10 +230,15 @@ std::optional<Closure> LoopCloser::CloseLoop(MapAccess& map, const Subject& subj
   }
   loops_ = std::move(loops);
   Weld(map, keyframe, found);
-  return Closure{keyframe,      found.keyframe,
-                 subject.world, {},
-                 correction,    static_cast<int>(found.matches.size()),
-                 moves,         shift_m > kFar_m || shift_rad > kFar_rad};
+  Closure closure;
+  closure.keyframe = keyframe;
+  closure.place = found.keyframe;
+  closure.world = subject.world;
+  closure.into_from_from = correction;
+  closure.matches = loop.matches;
+  closure.moved = moves;
+  closure.moved_far = shift_m > kFar_m || shift_rad > kFar_rad;
+  return closure;
 }
 
 std::optional<Closure> LoopCloser::MergeWorlds(MapAccess& map, KeyframeId keyframe, const PlaceFound& found) {
@@ -259,7 +255,10 @@ std::optional<Closure> LoopCloser::MergeWorlds(MapAccess& map, KeyframeId keyfra
     const std::size_t place_size = locked.KeyframesIn(place->world);
     const bool own_stays = options_.keep == KeptWorld::kCurrent || own_size > place_size ||
                            (own_size == place_size && own->world < place->world);
-    Closure result{keyframe, found.keyframe, {}, {}, {}, static_cast<int>(found.matches.size()), true, true};
+    Closure result;
+    result.keyframe = keyframe;
+    result.place = found.keyframe;
+    result.matches = static_cast<int>(found.matches.size());
     result.world = own_stays ? own->world : place->world;
     result.merged = own_stays ? place->world : own->world;
     result.into_from_from = own_stays ? place_world_from_own.Inverse() : place_world_from_own;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <span>
 #include <unordered_set>
 #include <vector>
 
@@ -58,10 +59,12 @@ class LoopCloser {
   };
 
   [[nodiscard]] std::optional<Subject> Describe(const MapAccess& map, KeyframeId keyframe) const;
+  // `scores` are those of the subject.
   [[nodiscard]] std::optional<PlaceFound> FindAgain(const MapAccess& map, const Subject& subject,
-                                                    bool in_own_world) const;
-  [[nodiscard]] bool IsWitnessed(const MapAccess& map, const Subject& subject, const PlaceFound& found,
-                                 int wanted) const;
+                                                    std::span<const PlaceScore> scores, bool in_own_world) const;
+  // Whether so many witnesses see what the pose found implies, in the same surroundings.
+  [[nodiscard]] bool IsWitnessed(const MapAccess& map, const Subject& subject, const PlaceCandidate& surroundings,
+                                 const PlaceFound& found, int wanted) const;
   // How many witnesses a loop needs; none where too little is seen for so large a correction.
   [[nodiscard]] static std::optional<int> WitnessesWanted(const MapAccess& map, const Subject& subject,
                                                           const PlaceFound& found);

@@ -30,12 +30,11 @@ constexpr double kSearchRatio = 0.8;
 constexpr int kDynamicReach_px = 100;  // along its surface from a keypoint that is dynamic
 
 // Matches of the candidate's points to all keypoints that are not dynamic, each keypoint once.
-std::vector<PointMatch> MatchByAppearance(const PlaceQuery& query, const PlaceCandidate& candidate,
-                                          std::span<const std::uint8_t> is_dynamic) {
+std::vector<PointMatch> MatchByAppearance(const PlaceQuery& query, const PlaceCandidate& candidate) {
   const std::span<const Descriptor> descriptors = query.data->descriptors();
   MatchSet set(query.data->size());
   for (const std::uint32_t point : candidate.points) {
-    if (is_dynamic[point] != 0) {
+    if (candidate.is_dynamic[point] != 0) {
       continue;
     }
     int best = 257;
@@ -86,6 +85,7 @@ Estimate Optimized(const PlaceQuery& query, const LocalMap& map, const Rigid3& i
   return estimate;
 }
 
+// One flag for each point.
 std::vector<std::uint8_t> DynamicPoints(const LocalMap& map, const MovingProbabilities& probabilities) {
   std::vector<std::uint8_t> is_dynamic(map.size());
   for (std::size_t i = 0; i < map.size(); ++i) {
@@ -122,11 +122,10 @@ SurfaceAgreement HoldAgainst(const PlaceQuery& query, const Rigid3& camera_from_
 
 // Matches around the projections of all static points, from coarse to fine; then the surfaces.
 std::optional<PlaceFound> Refine(const PlaceQuery& query, Estimate estimate, const PlaceCandidate& candidate,
-                                 std::span<const std::uint8_t> is_dynamic, const ScalePyramid& pyramid,
-                                 const PoseOptimizerOptions& options) {
+                                 const ScalePyramid& pyramid, const PoseOptimizerOptions& options) {
   const LocalMap& map = *candidate.map;
   for (const double window_px : {kWide_px, kNarrow_px}) {
-    std::vector<std::uint8_t> taken(is_dynamic.begin(), is_dynamic.end());
+    std::vector<std::uint8_t> taken = candidate.is_dynamic;
     std::vector<std::uint8_t> occupied(query.data->size(), 0);
     for (std::size_t i = 0; i < query.labels.size(); ++i) {
       occupied[i] = query.labels[i] == KeypointLabel::kDynamic ? 1 : 0;
@@ -227,8 +226,12 @@ std::optional<PlaceCandidate> PlanPlace(const Map& map, KeyframeId id) {
   if (keyframe == nullptr) {
     return std::nullopt;
   }
-  PlaceCandidate candidate{id, keyframe->world, keyframe->camera_from_world, BuildLocalMap(map, id, kSurroundings), {},
-                           {}};
+  PlaceCandidate candidate;
+  candidate.keyframe = id;
+  candidate.world = keyframe->world;
+  candidate.keyframe_from_world = keyframe->camera_from_world;
+  candidate.map = BuildLocalMap(map, id, kSurroundings);
+  candidate.is_dynamic = DynamicPoints(*candidate.map, map.probabilities());
   std::vector<KeyframeId> group = map.BestCovisible(id, kGroup);
   group.insert(group.begin(), id);
   std::vector<std::uint8_t> in_group(candidate.map->size(), 0);
@@ -252,11 +255,9 @@ std::optional<PlaceCandidate> PlanPlace(const Map& map, KeyframeId id) {
 }
 
 std::optional<PlaceFound> VerifyPlace(const PlaceQuery& query, const PlaceCandidate& candidate,
-                                      const MovingProbabilities& probabilities, const ScalePyramid& pyramid,
-                                      const PoseOptimizerOptions& options) {
+                                      const ScalePyramid& pyramid, const PoseOptimizerOptions& options) {
   Check(query.labels.empty() || query.labels.size() == query.data->size(), "a label for each keypoint");
-  const std::vector<std::uint8_t> is_dynamic = DynamicPoints(*candidate.map, probabilities);
-  const std::vector<PointMatch> matches = MatchByAppearance(query, candidate, is_dynamic);
+  const std::vector<PointMatch> matches = MatchByAppearance(query, candidate);
   if (std::ssize(matches) < kLeastMatches) {
     return std::nullopt;
   }
@@ -264,17 +265,17 @@ std::optional<PlaceFound> VerifyPlace(const PlaceQuery& query, const PlaceCandid
   if (!first) {
     return std::nullopt;
   }
-  return Refine(query, Optimized(query, *candidate.map, *first, matches, pyramid, options), candidate, is_dynamic,
-                pyramid, options);
+  return Refine(query, Optimized(query, *candidate.map, *first, matches, pyramid, options), candidate, pyramid,
+                options);
 }
 
 std::optional<PlaceFound> VerifyPose(const PlaceQuery& query, const Rigid3& camera_from_world,
-                                     const PlaceCandidate& candidate, const MovingProbabilities& probabilities,
-                                     const ScalePyramid& pyramid, const PoseOptimizerOptions& options) {
+                                     const PlaceCandidate& candidate, const ScalePyramid& pyramid,
+                                     const PoseOptimizerOptions& options) {
   Check(query.labels.empty() || query.labels.size() == query.data->size(), "a label for each keypoint");
   Estimate estimate;
   estimate.pose.camera_from_world = camera_from_world;
-  return Refine(query, std::move(estimate), candidate, DynamicPoints(*candidate.map, probabilities), pyramid, options);
+  return Refine(query, std::move(estimate), candidate, pyramid, options);
 }
 
 }  // namespace rds

@@ -48,8 +48,9 @@ struct PlaceCandidate {
   WorldId world;
   Rigid3 keyframe_from_world;
   std::shared_ptr<const LocalMap> map;
-  std::vector<std::uint32_t> points;  // of the map: those that it and its best covisible keyframes see
-  std::vector<View> views;            // itself and the best covisible ones
+  std::vector<std::uint8_t> is_dynamic;  // one for each point of the map: no match is made with it
+  std::vector<std::uint32_t> points;     // of the map: those that it and its best covisible keyframes see
+  std::vector<View> views;               // itself and the best covisible ones
 };
 
 // Nothing if the keyframe is gone.
@@ -83,19 +84,16 @@ inline constexpr PlaceBounds kLoopBounds{50, 0.85, 200};
 
 // Looks for the pose of a query in a candidate's surroundings: matches by appearance, RANSAC over 3-D to 3-D
 // alignments, optimization, more matches around the projections of all points there; then the depth images are held
-// against each other, for a number of matches does not make a pose right: over real recordings wrong ones had up to
-// 118, and right ones 30. Nothing where too few matches agree on one. Of a query without labels only what the views saw
-// is asked, as people may stand in it. Re-entrant; the same input gives the same pose.
+// against each other, for no number of matches makes a pose right. Nothing where too few matches agree on one. Of a
+// query without labels only what the views saw is asked, as people may stand in it. Re-entrant; the same input gives
+// the same pose.
 [[nodiscard]] std::optional<PlaceFound> VerifyPlace(const PlaceQuery& query, const PlaceCandidate& candidate,
-                                                    const MovingProbabilities& probabilities,
                                                     const ScalePyramid& pyramid,
                                                     const PoseOptimizerOptions& options = {});
 
 // The pose of a query in the same surroundings, looked for around one that is expected.
 [[nodiscard]] std::optional<PlaceFound> VerifyPose(const PlaceQuery& query, const Rigid3& camera_from_world,
-                                                   const PlaceCandidate& candidate,
-                                                   const MovingProbabilities& probabilities,
-                                                   const ScalePyramid& pyramid,
+                                                   const PlaceCandidate& candidate, const ScalePyramid& pyramid,
                                                    const PoseOptimizerOptions& options = {});
 
 }  // namespace rds

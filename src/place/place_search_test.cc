@@ -31,7 +31,7 @@ struct Scene {
   [[nodiscard]] std::optional<PlaceFound> Find(const PlaceQuery& query) const {
     std::optional<PlaceFound> best;
     for (const KeyframeId candidate : Propose(query)) {
-      auto found = VerifyPlace(query, *PlanPlace(map, candidate), map.probabilities(), ScalePyramid());
+      auto found = VerifyPlace(query, *PlanPlace(map, candidate), ScalePyramid());
       if (found && (!best || found->matches.size() > best->matches.size())) {
         best = std::move(found);
       }

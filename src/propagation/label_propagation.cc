@@ -157,7 +157,12 @@ std::vector<KeypointLabel> LabelPropagator::PropagateFrom(const DepthView& view)
 
 std::shared_ptr<const PropagatedLabels> LabelPropagator::Next(FrameId frame, const FrameData& data,
                                                               const Rigid3& camera_from_world,
-                                                              std::span<const DepthView> views) {
+                                                              std::span<const DepthView> views, std::uint32_t epoch) {
+  if (std::exchange(epoch_, epoch) != epoch) {
+    history_.clear();
+    labels_.clear();
+    propagated_.clear();
+  }
   history_.push_back({frame, camera_from_world, data.depth_grid(), {}});
   HistoryEntry& now = history_.back();
   surface_.Start(now.grid);
@@ -180,6 +185,7 @@ std::shared_ptr<const PropagatedLabels> LabelPropagator::Next(FrameId frame, con
   labels_ = surface_.Labels();
   auto field = std::make_shared<PropagatedLabels>();
   field->frame = frame;
+  field->epoch = epoch;
   field->camera = data.camera();
   field->camera_from_world = camera_from_world;
   field->grid = now.grid;

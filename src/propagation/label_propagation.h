@@ -21,6 +21,7 @@ namespace rds {
 // Labels of the surfaces of one frame. Immutable once made.
 struct PropagatedLabels {
   FrameId frame;
+  std::uint32_t epoch = 0;  // of the map that the pose is in
   PinholeCamera camera;
   Rigid3 camera_from_world;
   DepthGrid grid;
@@ -59,10 +60,11 @@ class LabelPropagator {
   LabelPropagator(const PropagationOptions& options, const FreeSpaceOptions& space)
       : options_(options), space_(space), surface_(options.surface) {}
 
-  // The field of the next frame. `views` are the newest labeled keyframes; each is propagated here once.
+  // The field of the next frame. `views` are the newest labeled keyframes; each is propagated here once. With poses of
+  // another epoch of the map all begins anew.
   [[nodiscard]] std::shared_ptr<const PropagatedLabels> Next(FrameId frame, const FrameData& data,
                                                              const Rigid3& camera_from_world,
-                                                             std::span<const DepthView> views);
+                                                             std::span<const DepthView> views, std::uint32_t epoch = 0);
 
  private:
   static constexpr std::size_t kLongestHistory = 64;  // frames over which a late label is propagated at most
@@ -89,6 +91,7 @@ class LabelPropagator {
   PropagationOptions options_;
   FreeSpaceOptions space_;
   SurfaceLabels surface_;
+  std::uint32_t epoch_ = 0;
   std::deque<HistoryEntry> history_;  // ascending by frame
   std::vector<SurfaceLabel> labels_;  // of the last moment
   std::vector<FrameId> propagated_;   // keyframes whose labels are on their way

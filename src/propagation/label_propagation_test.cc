@@ -269,5 +269,14 @@ TEST(StaticSamples, AreThoseOfSurfacesThatKeepStill) {
   EXPECT_EQ(std::ranges::count(none, 1), 0);
 }
 
+// A loop was closed: what was propagated lies where the map was.
+TEST(LabelPropagator, BeginsAnewWithPosesOfAnotherEpoch) {
+  LabelPropagator propagator({}, NoSpace());
+  EXPECT_TRUE(IsDynamic(*Walk(propagator, 2, 0, {Labeled(0, {20, 40})}), 30));
+  const auto field = propagator.Next(FrameId{2}, *SeeBoard({20, 40}), {}, std::vector<DepthView>{}, 1);
+  EXPECT_EQ(field->epoch, 1U);
+  EXPECT_FALSE(At(*field, 30).IsKnown());
+}
+
 }  // namespace
 }  // namespace rds

@@ -73,14 +73,12 @@ class Builder {
   }
   void Box(const Eigen::Vector3d& center, const Eigen::Vector3d& out, const Eigen::Vector3d& half, Painter front,
            std::uint64_t seed) {
-    const synthetic::Box box{center, half, std::atan2(-out.y(), -out.x())};
     const Eigen::Vector3d x = -out;
     const Eigen::Vector3d y(-x.y(), x.x(), 0);
     Panel(center + half.x() * x, x, 2 * half.y(), 2 * half.z(), front, seed);
     Panel(center + half.y() * y, y, 2 * half.x(), 2 * half.z(), front, seed + 1);
     Panel(center - half.y() * y, -y, 2 * half.x(), 2 * half.z(), front, seed + 2);
     Panel(center + half.z() * kUpward, kUpward, 2 * half.x(), 2 * half.y(), front, seed + 3, y);
-    boxes_.push_back(box);
   }
 
   // A piece of wall with pictures.
@@ -207,7 +205,6 @@ class Builder {
   RoomBuilder builder_;
   Random random_;
   bool alike_;
-  std::vector<synthetic::Box> boxes_;
 };
 
 double Sway(double time_s, double period_s) { return std::sin(2 * kPi * time_s / period_s); }

@@ -37,6 +37,7 @@ class SyntheticWorld {
 
   // Distance of the camera's center from the nearest piece of room or furniture (static), and from the nearest body
   // part of a mover (infinite without movers), in meters; for checks.
+  // Static: of a room, not of the building.
   [[nodiscard]] double StaticClearanceM(int index) const;
   [[nodiscard]] double MoverClearanceM(int index) const;
 

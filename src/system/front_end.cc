@@ -20,17 +20,15 @@ std::unique_ptr<Tracker> FrontEnd::MakeTracker() const {
 
 TrackOutcome FrontEnd::Track(const IncomingFrame& frame, std::shared_ptr<const LocalMap> map,
                              std::shared_ptr<const PropagatedLabels> labels) {
-  if (map != nullptr && map->epoch != epoch_) {  // what was propagated in the old world is of no use in the new one
+  if (map != nullptr) {
     epoch_ = map->epoch;
-    executor_.RestartPropagation();
-    labels = nullptr;
+    if (labels != nullptr && labels->epoch != epoch_) {
+      labels = nullptr;  // they lie where the map was
+    }
   }
   TrackOutcome outcome =
       tracker_->Track(frame.id, frame.timestamp_s, frame.data, std::move(map), executor_.Status(), std::move(labels));
   trajectory_.Add(frame.id, frame.timestamp_s, outcome);
-  if (outcome.current_from_last) {
-    odometry_from_camera_ = odometry_from_camera_ * outcome.current_from_last->Inverse();
-  }
   if (outcome.tracked) {
     lost_since_.reset();
   } else if (!lost_since_) {
@@ -94,7 +92,8 @@ void FrontEnd::AskForLabel(const IncomingFrame& frame, bool again) {
 
 void FrontEnd::Propagate(const IncomingFrame& frame, const TrackOutcome& outcome) {
   if (outcome.tracked) {
-    executor_.Propagate({frame.id, frame.data, outcome.camera_from_world, lanes_.semantics.LabeledViews(epoch_)});
+    executor_.Propagate(
+        {frame.id, frame.data, outcome.camera_from_world, lanes_.semantics.LabeledViews(epoch_), epoch_});
   }
 }
 

@@ -51,8 +51,6 @@ class FrontEnd {
   void AskForPlace(const IncomingFrame& frame);
   // Goes on where an earlier frame was found, if one was since tracking was lost. Whether it was.
   bool GoOnWhereFound();
-  // Poses in a frame of their own that never jumps while tracked: the motion from frame to frame, added up.
-  [[nodiscard]] const Rigid3& odometry_from_camera() const { return odometry_from_camera_; }
   // The pose of the last frame is that of a keyframe.
   void HangLastOn(KeyframeId keyframe) { trajectory_.HangLastOn(keyframe); }
 
@@ -75,7 +73,6 @@ class FrontEnd {
   Executor& executor_;
   std::unique_ptr<Tracker> tracker_;
   TrajectoryRecorder trajectory_;
-  Rigid3 odometry_from_camera_;
   std::optional<FrameId> lost_since_;
   std::uint32_t epoch_ = 0;  // of the map that the last frame was tracked in
 };

@@ -8,7 +8,7 @@ namespace rds {
 void PropagationLane::Propagate(const TrackedFrame& frame) {
   const std::span<const DepthView> views =
       frame.views ? std::span<const DepthView>(*frame.views) : std::span<const DepthView>();
-  newest_.Publish(propagator_.Next(frame.frame, *frame.data, frame.camera_from_world, views));
+  newest_.Publish(propagator_.Next(frame.frame, *frame.data, frame.camera_from_world, views, frame.epoch));
 }
 
 std::shared_ptr<const PropagatedLabels> PropagationLane::Newest(FrameId frame) const {

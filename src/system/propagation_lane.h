@@ -16,6 +16,7 @@ struct TrackedFrame {
   std::shared_ptr<const FrameData> data;
   Rigid3 camera_from_world;
   std::shared_ptr<const std::vector<DepthView>> views;
+  std::uint32_t epoch = 0;  // of the map that the pose and the views are in
 };
 
 // Knows no thread. Propagate has one caller at a time; Newest may be called from any thread and never waits.

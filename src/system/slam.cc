@@ -64,6 +64,7 @@ class Slam::Impl {
   FrontEnd front_end_;
   Startup startup_;
   ConfidenceWatch confidence_;
+  Rigid3 odometry_from_camera_;
   std::uint32_t frames_ = 0;
   std::optional<double> last_timestamp_s_;
   bool finished_ = false;
@@ -112,6 +113,9 @@ FrameResult Slam::Impl::TrackFrame(const RgbdFrame& frame) {
   result.timing.extraction_ms = watch.Milliseconds();
 
   TrackOutcome outcome = front_end_.Track(incoming, front_end_.CurrentLocalMap(), labels);
+  if (outcome.current_from_last) {  // here, where each frame comes once: some are tracked again
+    odometry_from_camera_ = odometry_from_camera_ * outcome.current_from_last->Inverse();
+  }
   if (found && outcome.tracked) {
     startup_.GoOnElsewhere();
   }
@@ -131,7 +135,7 @@ FrameResult Slam::Impl::TrackFrame(const RgbdFrame& frame) {
   confidence_.Add(outcome.confidence, lanes_->semantics.HasSegmenter());
   FillFrameResult(outcome, *incoming.data, *lanes_, options_.system.keep_features, &result);
   if (outcome.tracked) {
-    result.odometry_from_camera = front_end_.odometry_from_camera();
+    result.odometry_from_camera = odometry_from_camera_;
   }
   return result;
 }

@@ -303,6 +303,25 @@ class DeafSegmenter final : public Segmenter {
   std::promise<void> gone_;
 };
 
+// The frames before the first label are tracked again; whoever adds up motion must not go that way twice.
+TEST(Slam, OdometryGoesEachWayOnceInLockstep) {
+  const auto& frames = Frames(SyntheticScenario::kWalking);
+  Slam slam(MakeSyntheticCamera(320, 240), SmallOptions(true), TrueMasks(frames));
+  std::vector<FrameResult> results;
+  for (const SyntheticFrame& frame : frames) {
+    results.push_back(slam.Process(frame.rgbd));
+  }
+  const SlamResult result = FinishValid(slam);
+  ASSERT_EQ(result.frames.size(), frames.size());
+  for (std::size_t i = 1; i < results.size(); ++i) {
+    ASSERT_TRUE(results[i].odometry_from_camera.has_value()) << i;
+    const auto motion = [&](const Rigid3& before, const Rigid3& now) { return before.Inverse() * now; };
+    const Rigid3 odometry = motion(*results[0].odometry_from_camera, *results[i].odometry_from_camera);
+    const Rigid3 truth = motion(frames[0].world_from_camera, frames[i].world_from_camera);
+    EXPECT_LT((odometry.translation - truth.translation).norm(), 0.05) << i;
+  }
+}
+
 TEST(Slam, EndsWithoutABackEndThatDoesNotGiveUp) {
   const auto& frames = Frames(SyntheticScenario::kStatic);
   std::promise<void> wake_up;

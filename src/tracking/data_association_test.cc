@@ -99,7 +99,7 @@ TEST(DataAssociation, AKeypointsLabelSpeaksForAnUnknownPointOnly) {
     keypoint.depth_m = kBoardDepth;
   }
   const auto frame = SeeBoard({20, 40}, keypoints);
-  PropagatedLabels labels{FrameId{0}, TestCamera(), {}, frame->depth_grid(), {}, {}};
+  PropagatedLabels labels{FrameId{0}, 0, TestCamera(), {}, frame->depth_grid(), {}, {}};
   labels.labels.assign(std::size_t{kBoardColumns} * kBoardRows, SurfaceLabel{0, true});
   const KeypointProbabilities moving(std::make_shared<const PropagatedLabels>(labels), frame, {}, {});
   const Association association = scene.Select({}, &moving);
