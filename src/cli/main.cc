@@ -36,6 +36,7 @@ int main(int argc, char** argv) {
   rds::AddBenchCommand(app);
   rds::AddAblateCommand(app);
   rds::AddSynthCommand(app);
+  rds::AddSegmentCommand(app);
   rds::AddFetchCommand(app);
   rds::AddConfigCommand(app);
   return rds::RunProgram(app, argc, argv, std::cout, std::cerr);

@@ -69,6 +69,11 @@ void AddPlayArguments(CLI::App& command, PlayArguments& arguments, const std::st
       .add_option("--model", arguments.model,
                   "Weights for openvino: a file, or fast or accurate for the published ones (see `rds fetch`)")
       ->type_name("WEIGHTS");
+  command
+      .add_option(
+          "--masks", arguments.masks,
+          "For stored: take the masks that mask.txt in this folder lists (see `rds segment`), not the sequence's")
+      ->type_name("DIR");
 }
 
 PlaySetup PreparePlay(const PlayArguments& arguments, bool lockstep) {
@@ -86,6 +91,10 @@ PlaySetup PreparePlay(const PlayArguments& arguments, bool lockstep) {
   DatasetOptions dataset_options;
   dataset_options.frames = ParseFrameRange(arguments.frames);
   dataset_options.needs_masks = arguments.segmenter == "stored";
+  if (!arguments.masks.empty() && !dataset_options.needs_masks) {
+    throw InputError("--masks goes with --segmenter stored");
+  }
+  dataset_options.masks = arguments.masks;
   Dataset dataset = Dataset::Open(arguments.sequence, dataset_options);
   FoundCamera found = CameraOfSequence(dataset.folder(), arguments.camera);
   CheckDepthScale(dataset, found.camera);
@@ -111,7 +120,9 @@ std::unique_ptr<Segmenter> OpenSegmenter(const PlayArguments& arguments, const P
     options.stored_delay_ms = 0;  // delays are counted in frames there
   }
   return MakeSegmenter(arguments.segmenter, options, std::move(masks),
-                       [camera = setup.camera](const std::string& path) { return LoadMask(path, camera); });
+                       [camera = setup.camera, unsure = setup.dataset.MasksHaveUnsure()](const std::string& path) {
+                         return LoadMask(path, camera, unsure);
+                       });
 }
 
 RunDescription Describe(const PlaySetup& setup, const Segmenter* segmenter) {

@@ -37,11 +37,12 @@ struct PlayArguments {
   std::string frames = ":";
   std::string segmenter = "openvino";
   std::string model;
+  std::string masks;  // "" = the sequence's
   bool strict = false;
 };
 
-// SEQUENCE, --camera, --config, --set, --frames, --segmenter and --model. `default_segmenter` for the help and where
-// none is given.
+// SEQUENCE, --camera, --config, --set, --frames, --segmenter, --model and --masks. `default_segmenter` for the help and
+// where none is given.
 void AddPlayArguments(CLI::App& command, PlayArguments& arguments, const std::string& default_segmenter);
 
 // Everything that playing needs, opened and checked. Copy `options` to change them for one of several runs.

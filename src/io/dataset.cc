@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/file.h"
 #include "base/log.h"
 #include "io/dataset_association.h"
 #include "io/dataset_lists.h"
@@ -109,9 +110,15 @@ std::vector<DatasetFrame> AssociateLists(const fs::path& folder, double max_diff
   return frames;
 }
 
-void AttachMasks(const fs::path& list, TimeUnit unit, double max_difference_s, std::vector<DatasetFrame>& frames) {
+// Whether a mask.txt was written by `rds segment`.
+bool IsSegmented(const fs::path& list) { return ReadFile(list).starts_with(kSegmentedMasks); }
+
+void AttachMasks(const fs::path& list, TimeUnit unit, bool unsure, double max_difference_s,
+                 std::vector<DatasetFrame>& frames) {
   std::vector<ListedImage> masks = ReadImageList(list);
-  ToSeconds(unit, masks);
+  if (!unsure) {
+    ToSeconds(unit, masks);
+  }
   for (const auto& [f, m] : AssociateByTime(TimesOf(frames), TimesOf(masks), max_difference_s)) {
     frames[f].mask_path = masks[m].path;
   }
@@ -189,8 +196,16 @@ Dataset Dataset::Open(const fs::path& folder, const DatasetOptions& options) {
     dataset.frames_ = AssociateLists(folder, options.max_difference_s, dataset.listed_color_images_, unit);
   }
   dataset.color_images_without_depth_ = dataset.listed_color_images_ - dataset.frames_.size();
-  if (const auto list = FindFile(folder, {"mask.txt"})) {
-    const auto attach = [&] { AttachMasks(*list, unit, options.max_difference_s, dataset.frames_); };
+  const fs::path masks = options.masks.empty() ? folder : options.masks;
+  const auto list = FindFile(masks, {"mask.txt"});
+  if (!list && !options.masks.empty()) {
+    throw InputError(masks.string() + ": no mask.txt in it; `rds segment` writes one");
+  }
+  if (list) {
+    const auto attach = [&] {
+      dataset.masks_have_unsure_ = IsSegmented(*list);
+      AttachMasks(*list, unit, dataset.masks_have_unsure_, options.max_difference_s, dataset.frames_);
+    };
     if (options.needs_masks) {
       attach();
       dataset.has_masks_ = true;
@@ -259,10 +274,10 @@ RgbdFrame Dataset::Load(std::size_t index, const PinholeCamera& camera) const {
   return {frame.timestamp_s, std::move(image), std::move(depth_image)};
 }
 
-Image8 LoadMask(const fs::path& path, const PinholeCamera& camera) {
+Image8 LoadMask(const fs::path& path, const PinholeCamera& camera, bool keep_unsure) {
   ImageFile mask(path);
   CheckSize(mask, camera);
-  return mask.DecodeMask();
+  return mask.DecodeMask(keep_unsure);
 }
 
 }  // namespace rds

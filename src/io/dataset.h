@@ -29,7 +29,8 @@ FrameRange ParseFrameRange(const std::string& text);
 struct DatasetOptions {
   double max_difference_s = 0.02;  // between the times of a color image and its depth image (or its mask)
   FrameRange frames;
-  bool needs_masks = false;  // what is wrong with mask.txt is an error then, else a warning
+  bool needs_masks = false;     // what is wrong with mask.txt is an error then, else a warning
+  std::filesystem::path masks;  // folder with the mask.txt to take; empty: the sequence's own
 };
 
 // One entry of the index: where the images of a frame lie. Times in seconds.
@@ -62,6 +63,8 @@ class Dataset {
   [[nodiscard]] const std::vector<DatasetFrame>& frames() const { return frames_; }
   [[nodiscard]] const std::optional<Trajectory>& ground_truth() const { return ground_truth_; }
   [[nodiscard]] bool HasMasks() const { return has_masks_; }
+  // Whether the masks have unsure pixels: those that `rds segment` wrote.
+  [[nodiscard]] bool MasksHaveUnsure() const { return masks_have_unsure_; }
   // Color images listed, and those left out for want of a depth image; over the whole sequence, whatever the range.
   [[nodiscard]] std::size_t listed_color_images() const { return listed_color_images_; }
   [[nodiscard]] std::size_t color_images_without_depth() const { return color_images_without_depth_; }
@@ -84,6 +87,7 @@ class Dataset {
   std::vector<DatasetFrame> frames_;
   std::optional<Trajectory> ground_truth_;
   bool has_masks_ = false;
+  bool masks_have_unsure_ = false;
   IgnoredPixels ignored_;
   std::size_t listed_color_images_ = 0;
   std::size_t color_images_without_depth_ = 0;
@@ -91,7 +95,11 @@ class Dataset {
   std::size_t all_frames_ = 0;
 };
 
-// A mask of the camera's size: 255 = dynamic, 0 = not. InputError naming the file.
-[[nodiscard]] Image8 LoadMask(const std::filesystem::path& path, const PinholeCamera& camera);
+// How the comment above the rows of a mask.txt begins that `rds segment` wrote: its times are seconds whatever those of
+// the sequence are, and 128 in a mask is unsure.
+inline constexpr const char* kSegmentedMasks = "# rds segment:";
+
+// A mask of the camera's size: 255 = dynamic, 0 = not, and with `keep_unsure` 128 = unsure. InputError naming the file.
+[[nodiscard]] Image8 LoadMask(const std::filesystem::path& path, const PinholeCamera& camera, bool keep_unsure = false);
 
 }  // namespace rds

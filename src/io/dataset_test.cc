@@ -60,6 +60,21 @@ class DatasetTest : public ::testing::Test {
   TemporaryFolder folder_;
 };
 
+TEST_F(DatasetTest, SegmentedMasksHaveUnsurePixelsAndTimesInSeconds) {
+  const TemporaryFolder masks;
+  masks.Write("m.png", Png(CV_8UC1, 20, 12, 128));
+  masks.Write("mask.txt", "# rds segment: some network\n1.03 m.png\n");
+  Write("mask.txt", "1.03 none.png\n");
+  DatasetOptions options;
+  options.masks = masks.path();
+  const Dataset dataset = Open(options);
+  ASSERT_TRUE(dataset.MasksHaveUnsure());
+  const auto path = dataset.frames()[1].mask_path;
+  EXPECT_EQ(path, masks.path() / "m.png");
+  EXPECT_EQ(LoadMask(path, SmallCamera(), true).data[0], 128);
+  EXPECT_EQ(LoadMask(path, SmallCamera()).data[0], 255);
+}
+
 TEST_F(DatasetTest, OpensAndLoads) {
   const Dataset dataset = Open();
   ASSERT_EQ(dataset.size(), 3U);

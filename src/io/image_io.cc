@@ -91,6 +91,14 @@ Image8 DecodePnmColor(const std::string& bytes, const ImageHeader& header) {
   return image;
 }
 
+template <typename T>
+std::string EncodeAsPng(const Image<T>& image, int depth, int compression) {
+  const cv::Mat view(image.height, image.width, CV_MAKETYPE(depth, image.channels), const_cast<T*>(image.data.data()));
+  std::vector<std::uint8_t> bytes;
+  Check(cv::imencode(".png", view, bytes, {cv::IMWRITE_PNG_COMPRESSION, compression}), "a PNG can be encoded");
+  return {bytes.begin(), bytes.end()};
+}
+
 }  // namespace
 
 ImageFile::ImageFile(const std::filesystem::path& path)
@@ -128,7 +136,7 @@ Image16 ImageFile::DecodeDepth(double units_per_m) {
   return depth;
 }
 
-Image8 ImageFile::DecodeMask() {
+Image8 ImageFile::DecodeMask(bool keep_unsure) {
   if (header_.bits > 8 || header_.is_float) {
     throw InputError(path_.string() + ": a mask of " + std::to_string(header_.bits) +
                      " bits a channel; 8 are wanted, 0 for what does not move");
@@ -137,7 +145,8 @@ Image8 ImageFile::DecodeMask() {
   Image8 mask(color.width, color.height);
   for (std::size_t i = 0; i < mask.data.size(); ++i) {
     const std::uint8_t* const pixel = color.data.data() + 3 * i;
-    mask.data[i] = (pixel[0] | pixel[1] | pixel[2]) != 0 ? 255 : 0;
+    const int value = pixel[0] | pixel[1] | pixel[2];
+    mask.data[i] = keep_unsure && value == 128 ? 128 : value != 0 ? 255 : 0;
   }
   return mask;
 }
@@ -147,5 +156,9 @@ Image8 ReadColor(const std::filesystem::path& path) { return ImageFile(path).Dec
 Image16 ReadDepth(const std::filesystem::path& path) { return ImageFile(path).DecodeDepth(5000); }
 
 Image8 ReadMask(const std::filesystem::path& path) { return ImageFile(path).DecodeMask(); }
+
+std::string EncodePng(const Image8& image, int compression) { return EncodeAsPng(image, CV_8U, compression); }
+
+std::string EncodePng(const Image16& image, int compression) { return EncodeAsPng(image, CV_16U, compression); }
 
 }  // namespace rds

@@ -28,8 +28,9 @@ class ImageFile {
   // Depth as stored, in units of `units_per_m`: one channel of 16 bits; an 8-bit picture is an error, not stretched.
   // Floating point is meters; what is not finite, not above 0 or beyond 16 bits is no depth (0).
   [[nodiscard]] Image16 DecodeDepth(double units_per_m);
-  // A mask, one channel: 255 where the file is not 0 (any channel), else 0.
-  [[nodiscard]] Image8 DecodeMask();
+  // A mask, one channel: 255 where the file is not 0 (any channel), else 0. With `keep_unsure`, 128 stays 128 (as
+  // segmentation/mask.h has it).
+  [[nodiscard]] Image8 DecodeMask(bool keep_unsure = false);
 
  private:
   std::filesystem::path path_;
@@ -41,5 +42,10 @@ class ImageFile {
 Image8 ReadColor(const std::filesystem::path& path);
 Image16 ReadDepth(const std::filesystem::path& path);  // floating point as 5000 units a meter
 Image8 ReadMask(const std::filesystem::path& path);
+
+// The bytes of a PNG of one channel or three, for WriteFileAtomically: libraries that write files themselves do not say
+// that a disk is full. `compression`: 0 to 9.
+[[nodiscard]] std::string EncodePng(const Image8& image, int compression = 3);
+[[nodiscard]] std::string EncodePng(const Image16& image, int compression = 3);
 
 }  // namespace rds

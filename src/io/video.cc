@@ -5,7 +5,6 @@
 
 #include <cstring>
 #include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/videoio.hpp>
 #include <string>
 #include <utility>
@@ -13,6 +12,7 @@
 
 #include "base/error.h"
 #include "io/atomic_file.h"
+#include "io/image_io.h"
 #include "io/temporary_files.h"
 #include "runtime/bounded_queue.h"
 #include "runtime/worker.h"
@@ -73,13 +73,6 @@ class VideoFile {
   cv::VideoWriter writer_;
   int frames_ = 0;
 };
-
-// Encoded in memory, because cv::imwrite does not report a full disk.
-void WriteStill(const std::filesystem::path& file, const Image8& picture) {
-  std::vector<std::uint8_t> bytes;
-  Check(cv::imencode(".png", ColorView(picture), bytes), "a PNG can be encoded");
-  WriteFileAtomically(file, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
-}
 
 }  // namespace
 
@@ -161,7 +154,7 @@ class VideoRecorder::Impl {
 
   void FinishStill() const {
     if (options_.still && !still_.empty()) {
-      WriteStill(*options_.still, still_);
+      WriteFileAtomically(*options_.still, EncodePng(still_));
     } else if (options_.still) {
       throw InputError(fmt::format("{}: no picture, because the run did not reach frame {}", options_.still->string(),
                                    options_.still_frame ? options_.still_frame->value : 0));

@@ -11,7 +11,6 @@
 #include <cstring>
 #include <deque>
 #include <future>
-#include <opencv2/imgcodecs.hpp>
 #include <string>
 #include <thread>
 #include <vector>
@@ -19,6 +18,7 @@
 #include "base/error.h"
 #include "io/atomic_file.h"
 #include "io/camera_file.h"
+#include "io/image_io.h"
 #include "io/trajectory_io.h"
 
 namespace rds {
@@ -27,7 +27,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // Not through a link: it may be somebody else's.
-void WriteBytes(const fs::path& path, const std::vector<unsigned char>& bytes) {
+void WriteBytes(const fs::path& path, const std::string& bytes) {
   const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0666);
   int error = file < 0 ? errno : 0;
   for (std::size_t done = 0; error == 0 && done < bytes.size();) {
@@ -44,24 +44,15 @@ void WriteBytes(const fs::path& path, const std::vector<unsigned char>& bytes) {
   }
 }
 
-template <typename T>
-std::vector<unsigned char> EncodePng(const Image<T>& image, int type) {
-  const cv::Mat view(image.height, image.width, type, const_cast<T*>(image.data.data()));
-  std::vector<unsigned char> bytes;
-  Check(cv::imencode(".png", view, bytes, {cv::IMWRITE_PNG_COMPRESSION, 1}), "PNG cannot be encoded");
-  return bytes;
-}
-
 struct EncodedFrame {
-  std::array<std::vector<unsigned char>, 3> images;  // color, depth, mask
+  std::array<std::string, 3> images;  // color, depth, mask
   StampedPose truth;
 };
 
 EncodedFrame RenderEncoded(const SyntheticWorld& world, int index) {
   const SyntheticFrame frame = world.Render(index);
-  return {
-      {EncodePng(*frame.rgbd.image, CV_8UC3), EncodePng(*frame.rgbd.depth, CV_16UC1), EncodePng(*frame.mask, CV_8UC1)},
-      {frame.rgbd.timestamp_s, frame.world_from_camera}};
+  return {{EncodePng(*frame.rgbd.image, 1), EncodePng(*frame.rgbd.depth, 1), EncodePng(*frame.mask, 1)},
+          {frame.rgbd.timestamp_s, frame.world_from_camera}};
 }
 
 }  // namespace
