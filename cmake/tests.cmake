@@ -85,6 +85,11 @@ if(NOT RDS_SANITIZE)
       rds_add_repository_test(faults_${test} ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/tests/faults_test.py
         $<TARGET_FILE:rds_program> ${test})
     endforeach()
+    foreach(test serve kserve)
+      rds_add_repository_test(remote_${test} ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/tests/remote_test.py
+        $<TARGET_FILE:rds_program>
+        ${PROJECT_SOURCE_DIR}/build/venv-kserve/bin/python ${test})
+    endforeach()
     foreach(test make static walking lockstep threaded turning desk kidnap)
       set(name repository.kitchen_${test})
       add_test(NAME ${name} COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/tests/kitchen_test.py

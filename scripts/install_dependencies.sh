@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Installs what is missing to build and test: Debian 12, Ubuntu 22.04 and 24.04; as root or with sudo.
 # Quick when all is there. Where it cannot install, it says exactly what is wanted and exits with 1.
-#   scripts/install_dependencies.sh [--tests]     --tests: the Python tools of the tests as well (into build/venv)
+#   scripts/install_dependencies.sh [--tests]     --tests: the Python tools of the tests as well (into build/venv*)
 set -euo pipefail
 # shellcheck source=scripts/common.sh
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
@@ -10,13 +10,13 @@ source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 PACKAGES=(
   g++ cmake ninja-build ccache
   libeigen3-dev libopencv-dev libyaml-cpp-dev nlohmann-json3-dev libspdlog-dev libcli11-dev
-  libcurl4-openssl-dev libssl-dev
+  libcurl4-openssl-dev libssl-dev libboost-dev
   libgtest-dev libgmock-dev
   python3 python3-venv python3-pip
   ca-certificates
 )
 WANTED="g++ >= 11, CMake >= 3.22, Ninja, Eigen 3.4, OpenCV 4.5 - 4.x, yaml-cpp 0.7 - 0.8,
-nlohmann-json 3.10 - 3.x, spdlog 1.9 - 1.x, CLI11 2.1 - 2.x, libcurl >= 7.81, OpenSSL 3, GoogleTest >= 1.11,
+nlohmann-json 3.10 - 3.x, spdlog 1.9 - 1.x, CLI11 2.1 - 2.x, libcurl >= 7.81, OpenSSL 3, Boost >= 1.74 (headers), GoogleTest >= 1.11,
 Python 3.8 or newer with venv; ccache is optional"
 
 # Without dpkg, whether all is there can only be told by trying.
@@ -64,15 +64,15 @@ install_packages() {
     die "could not install. Wanted: apt-get install ${missing[*]}"
 }
 
-# Tools of the tests (evo, clang-format) in an environment of their own, as tests/requirements.txt pins them.
-install_test_tools() {
-  local venv=$ROOT/build/venv stamp=$ROOT/build/venv/requirements.txt
-  cmp -s "$ROOT/tests/requirements.txt" "$stamp" && return 0
+# install_python NAME REQUIREMENTS: an environment of its own in build/NAME, as tests/REQUIREMENTS pins it.
+install_python() {
+  local venv=$ROOT/build/$1 wanted=$ROOT/tests/$2 stamp=$ROOT/build/$1/requirements.txt
+  cmp -s "$wanted" "$stamp" && return 0
   mkdir -p "$ROOT/build"
-  if step "Creating build/venv" python3 -m venv "$venv" &&
-    step "Installing the tests' Python tools" "$venv/bin/python" -m pip install --disable-pip-version-check --no-compile \
-      -r "$ROOT/tests/requirements.txt"; then
-    cp "$ROOT/tests/requirements.txt" "$stamp"
+  if step "Creating build/$1" python3 -m venv "$venv" &&
+    step "Installing the Python packages of tests/$2" "$venv/bin/python" -m pip install --disable-pip-version-check \
+      --no-compile -r "$wanted"; then
+    cp "$wanted" "$stamp"
   else
     say "Going on without them: the tests that need them are skipped."
   fi
@@ -89,7 +89,8 @@ main() {
     bash "$ROOT/scripts/install_openvino.sh" || say "Going on without OpenVINO: --segmenter openvino will not be there."
   fi
   if [ "${1:-}" = --tests ]; then
-    install_test_tools
+    install_python venv requirements.txt  # evo, clang-format
+    install_python venv-kserve requirements-kserve.txt
   fi
 }
 

@@ -23,7 +23,8 @@ CONFINED = [
     (r"<opencv2/", {"feature", "segmentation", "io", "synth", "cli", "testing"},
      "OpenCV: .cc files of feature/, segmentation/, io/, synth/"),
     (r"<openvino/", {"segmentation"}, "OpenVINO: its back end in segmentation/"),
-    (r"<curl/", {"io"}, "libcurl: .cc files of io/"),
+    (r"<curl/", {"io", "segmentation"}, "libcurl: .cc files of io/ and segmentation/"),
+    (r"<boost/", {"io"}, "Boost: .cc files of io/"),
     (r"<openssl/", {"base"}, "OpenSSL: .cc files of base/ (digests)"),
     (r"<CLI/", {"cli"}, "CLI11: cli/"),
     (r"<yaml-cpp/", {"base", "io", "segmentation"},
@@ -36,7 +37,11 @@ THREADS_ALLOWED = {
     "segmentation/stored_segmenter.cc": "stands in for a slow network: it waits",
     "segmentation/stored_segmenter.h": "stands in for a slow network: it waits",
     "segmentation/openvino_segmenter.cc": "a back end guards its own runtime",
+    "segmentation/remote_segmenter.cc": "waits before it asks a server again",
     "synth/synthetic_sequence.cc": "renders frames on all cores",
+    "io/http_server.cc": "a server's own threads",
+    "cli/inference_service.cc": "one request at a time is segmented",
+    "cli/inference_service.h": "one request at a time is segmented",
     "cli/playback.cc": "plays a recording at its recorded times",
 }
 

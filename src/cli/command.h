@@ -15,6 +15,7 @@ void AddBenchCommand(CLI::App& app);
 void AddAblateCommand(CLI::App& app);
 void AddSynthCommand(CLI::App& app);
 void AddSegmentCommand(CLI::App& app);
+void AddServeCommand(CLI::App& app);
 void AddFetchCommand(CLI::App& app);
 void AddConfigCommand(CLI::App& app);
 

@@ -37,6 +37,7 @@ int main(int argc, char** argv) {
   rds::AddAblateCommand(app);
   rds::AddSynthCommand(app);
   rds::AddSegmentCommand(app);
+  rds::AddServeCommand(app);
   rds::AddFetchCommand(app);
   rds::AddConfigCommand(app);
   return rds::RunProgram(app, argc, argv, std::cout, std::cerr);

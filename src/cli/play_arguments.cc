@@ -61,7 +61,8 @@ void AddPlayArguments(CLI::App& command, PlayArguments& arguments, const std::st
       ->type_name("A:B");
   command
       .add_option("--segmenter", arguments.segmenter,
-                  "Who tells what moves: openvino (a network, people), stored (the sequence's own masks), geometry "
+                  "Who tells what moves: openvino (a network, people), remote (a network on a server, see "
+                  "semantic.remote.url), stored (the sequence's own masks), geometry "
                   "(no network: what moves otherwise than most of the picture), none; default " +
                       default_segmenter)
       ->type_name("NAME");

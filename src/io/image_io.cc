@@ -101,8 +101,10 @@ std::string EncodeAsPng(const Image<T>& image, int depth, int compression) {
 
 }  // namespace
 
-ImageFile::ImageFile(const std::filesystem::path& path)
-    : path_(path), bytes_(ReadFile(path, kLargestImageFile_bytes)), header_(InspectImage(path, bytes_)) {}
+ImageFile::ImageFile(const std::filesystem::path& path) : ImageFile(path, ReadFile(path, kLargestImageFile_bytes)) {}
+
+ImageFile::ImageFile(const std::filesystem::path& name, std::string bytes)
+    : path_(name), bytes_(std::move(bytes)), header_(InspectImage(name, bytes_)) {}
 
 bool ImageFile::MayBeDepth() const { return header_.channels == 1 && (header_.bits == 16 || header_.is_float); }
 

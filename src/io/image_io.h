@@ -16,6 +16,8 @@ class ImageFile {
  public:
   // Reads PNG, JPEG, BMP, binary PGM and PPM, TIFF, WebP and NumPy files; InputError for anything else.
   explicit ImageFile(const std::filesystem::path& path);
+  // The same of bytes that are in memory; `name` for messages.
+  ImageFile(const std::filesystem::path& name, std::string bytes);
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
   [[nodiscard]] int width() const { return header_.width; }

@@ -43,16 +43,29 @@ class Reader {
     }
     try {
       const OptionEntry& option = table_.Find(key);
-      if (!value.IsScalar()) {
+      const bool is_list = value.IsSequence() && option.is_text;
+      if (!value.IsScalar() && !is_list) {
         throw InputError(fmt::format("option {}: expected one value", key));
       }
       if (!seen_.insert(key).second) {
         throw InputError(fmt::format("option {} is given twice", key));
       }
-      option.set(value.Scalar());
+      option.set(is_list ? JoinedList(value) : value.Scalar());
     } catch (const InputError& error) {
       Throw(name, error.what());
     }
+  }
+
+  // A text option that holds several words may be given as a list.
+  [[nodiscard]] static std::string JoinedList(const YAML::Node& list) {
+    std::string words;
+    for (const auto& word : list) {
+      if (!word.IsScalar()) {
+        throw InputError("a list of words is wanted");
+      }
+      words += (words.empty() ? "" : ", ") + word.Scalar();
+    }
+    return words;
   }
 
   [[nodiscard]] bool IsGroup(const std::string& key) const {

@@ -31,6 +31,13 @@ class OptionsYamlTest : public ::testing::Test {
   const std::filesystem::path file_ = folder_.path() / "options.yaml";
 };
 
+TEST_F(OptionsYamlTest, WordsMayBeGivenAsAList) {
+  Options options;
+  ApplyOptionsFile(Write("semantic:\n  dynamic_classes: [person, cat]\n"), options);
+  EXPECT_EQ(options.segmenter.dynamic_classes, "person, cat");
+  EXPECT_THAT(ErrorOf("semantic:\n  dynamic_classes: [[person]]\n"), HasSubstr("a list of words"));
+}
+
 // Options in which every number, flag and choice differs from its default where its range allows.
 Options Unusual() {
   Options options;

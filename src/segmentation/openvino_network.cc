@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "segmentation/network_output.h"
 
 namespace rds {
 namespace {
@@ -35,19 +36,24 @@ std::string LastLine(const std::string& text) {
   return text.substr(begin, end - begin);
 }
 
-// Makes the tensor called `name` the network's only output, so that what comes after it is not computed.
-std::shared_ptr<ov::Model> EndAt(const std::shared_ptr<ov::Model>& network, const std::string& name) {
-  const std::shared_ptr<ov::op::v0::Result> result = std::make_shared<ov::op::v0::Result>([&] {
-    for (const std::shared_ptr<ov::Node>& node : network->get_ordered_ops()) {
-      for (const ov::Output<ov::Node>& output : node->outputs()) {
-        if (output.get_names().count(name) > 0) {
-          return output;
-        }
+ov::Output<ov::Node> TensorOf(const ov::Model& network, const std::string& name) {
+  for (const std::shared_ptr<ov::Node>& node : network.get_ordered_ops()) {
+    for (const ov::Output<ov::Node>& output : node->outputs()) {
+      if (output.get_names().count(name) > 0) {
+        return output;
       }
     }
-    throw InputError(fmt::format("output.tensor: the network has no tensor '{}'", name));
-  }());
-  return std::make_shared<ov::Model>(ov::ResultVector{result}, network->get_parameters());
+  }
+  throw InputError(fmt::format("output.tensor: the network has no tensor '{}'", name));
+}
+
+// Makes the tensors of these names the network's only outputs, so that what comes after them is not computed.
+std::shared_ptr<ov::Model> EndAt(const ov::Model& network, const std::vector<std::string>& names) {
+  ov::ResultVector results;
+  for (const std::string& name : names) {
+    results.push_back(std::make_shared<ov::op::v0::Result>(TensorOf(network, name)));
+  }
+  return std::make_shared<ov::Model>(results, network.get_parameters());
 }
 
 // The value of a constant input that holds one number, if it is that.
@@ -173,10 +179,11 @@ std::shared_ptr<ov::Model> ReadNetwork(const SegmentationModel& model) {
     if (network->inputs().size() != 1 || network->input().get_partial_shape().rank() != 4) {
       throw InputError("wanted is a network with one input of four dimensions");
     }
-    if (!model.output_tensor.empty()) {
-      network = EndAt(network, model.output_tensor);
+    const std::vector<std::string> names = OutputNames(model);
+    if (names != std::vector<std::string>{""}) {
+      network = EndAt(*network, names);
     }
-    if (network->outputs().size() != 1) {
+    if (network->outputs().size() != names.size()) {
       throw InputError("the network has several outputs; name one under output.tensor");
     }
     if (model.ignore_rounding) {
@@ -217,8 +224,9 @@ std::shared_ptr<ov::Model> WithPreprocessing(const ov::Model& network, const Seg
   }
   input.preprocess().convert_element_type(wanted);
   input.model().set_layout(model.input_order == ChannelOrder::kFirst ? "NCHW" : "NHWC");
-  const bool logits = model.output == SegmentationModel::Output::kLogits;
-  processor.output().tensor().set_element_type(logits ? ov::element::f32 : ov::element::i32);
+  for (std::size_t i = 0; i < network.outputs().size(); ++i) {
+    processor.output(i).tensor().set_element_type(ov::element::f32);
+  }
   std::shared_ptr<ov::Model> whole = processor.build();
   if (batch > 1) {
     ov::set_batch(whole, batch);

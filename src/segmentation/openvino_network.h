@@ -23,7 +23,7 @@ namespace rds {
 [[nodiscard]] std::shared_ptr<ov::Model> ReadNetwork(const SegmentationModel& model);
 
 // A copy of the network that takes `batch` recorded images (u8, NHWC, BGR, width x height) and converts them itself.
-// Output: f32 logits or i32 labels.
+// Outputs: all f32.
 [[nodiscard]] std::shared_ptr<ov::Model> WithPreprocessing(const ov::Model& network, const SegmentationModel& model,
                                                            int width, int height, int batch);
 

@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "base/sha256.h"
+#include "segmentation/network_output.h"
 #include "segmentation/openvino_network.h"
 #include "segmentation/weights.h"
 
@@ -62,8 +63,8 @@ class OpenVinoSegmenter final : public Segmenter {
       const std::span<const SegmentationInput> rest = inputs.subspan(masks.size());
       const Image8& image = *rest[0].image;
       std::size_t count = 1;
-      while (count < std::min(rest.size(), static_cast<std::size_t>(options_.max_batch)) &&
-             rest[count].image->width == image.width && rest[count].image->height == image.height) {
+      while (count < std::min(rest.size(), MostAtOnce()) && rest[count].image->width == image.width &&
+             rest[count].image->height == image.height) {
         ++count;
       }
       for (Image8& mask : Run(rest.first(count))) {
@@ -117,6 +118,11 @@ class OpenVinoSegmenter final : public Segmenter {
     return requests_.emplace(shape, compiled.create_infer_request()).first->second;
   }
 
+  // Instances of several images cannot be told apart.
+  [[nodiscard]] std::size_t MostAtOnce() const {
+    return model_.output == SegmentationModel::Output::kInstances ? 1 : static_cast<std::size_t>(options_.max_batch);
+  }
+
   // Runs the network on images of one size. Empty images once canceled.
   std::vector<Image8> Run(std::span<const SegmentationInput> inputs) {
     const int width = inputs[0].image->width;
@@ -136,9 +142,11 @@ class OpenVinoSegmenter final : public Segmenter {
     if (!Infer(request)) {
       return std::vector<Image8>(inputs.size());
     }
+    const std::vector<OutputTensor> outputs = OutputsOf(request);
+    const MaskThresholds thresholds = ThresholdsOf(model_, options_.threshold, options_.unsure);
     std::vector<Image8> masks;
     for (std::size_t i = 0; i < inputs.size(); ++i) {
-      masks.push_back(MaskOf(request.get_output_tensor(), i, width, height));
+      masks.push_back(MaskOfOutput(model_, thresholds, outputs, i, network_height_, network_width_, width, height));
     }
     return masks;
   }
@@ -180,39 +188,16 @@ class OpenVinoSegmenter final : public Segmenter {
     return finished && !canceled_;
   }
 
-  Image8 MaskOf(const ov::Tensor& output, std::size_t index, int width, int height) const {
-    ov::Shape shape = output.get_shape();
-    const std::size_t size = ov::shape_size(shape) / shape[0];
-    shape.erase(shape.begin());
-    if (model_.output == SegmentationModel::Output::kLabels) {
-      shape.erase(std::remove(shape.begin(), shape.end(), 1U), shape.end());
-      CheckOutput(shape.size() == 2, "two dimensions of labels");
-      const ScoreGrid grid = GridOf(shape[0], shape[1]);
-      return MaskFromLabels({output.data<std::int32_t>() + index * size, size}, grid, width, height, model_.labels);
+  // What the network gave for the last request.
+  static std::vector<OutputTensor> OutputsOf(ov::InferRequest& request) {
+    std::vector<OutputTensor> outputs;
+    for (std::size_t i = 0; i < request.get_compiled_model().outputs().size(); ++i) {
+      const ov::Tensor tensor = request.get_output_tensor(i);
+      const ov::Shape shape = tensor.get_shape();
+      const auto* const values = tensor.data<float>();
+      outputs.push_back({{shape.begin(), shape.end()}, {values, values + tensor.get_size()}});
     }
-    CheckOutput(shape.size() == 3, "three dimensions of logits");
-    const bool first = model_.output_order == ChannelOrder::kFirst;
-    const auto classes = static_cast<int>(first ? shape[0] : shape[2]);
-    const ScoreGrid grid = GridOf(first ? shape[1] : shape[0], first ? shape[2] : shape[1]);
-    CheckOutput(*std::max_element(model_.labels.begin(), model_.labels.end()) < classes, "more classes than labels");
-    const std::vector<float> probability =
-        ClassProbability({output.data<float>() + index * size, size}, grid.width * grid.height, classes,
-                         model_.output_order, model_.labels);
-    const double threshold = options_.threshold > 0 ? options_.threshold : model_.threshold;
-    const double unsure = std::min(options_.unsure >= 0 ? options_.unsure : model_.unsure, threshold);
-    return MaskFromProbability(probability, grid, width, height, static_cast<float>(threshold),
-                               static_cast<float>(unsure));
-  }
-
-  [[nodiscard]] ScoreGrid GridOf(std::size_t height, std::size_t width) const {
-    return model_.Grid(network_height_, network_width_, static_cast<int>(height), static_cast<int>(width));
-  }
-
-  void CheckOutput(bool condition, const char* wanted) const {
-    if (!condition) {
-      throw InputError(fmt::format("weights {}: the output has not {}; see the keys under output in {}.yaml",
-                                   model_.weights, wanted, model_.weights));
-    }
+    return outputs;
   }
 
   const SegmentationModel model_;

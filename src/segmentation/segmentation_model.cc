@@ -8,9 +8,13 @@
 #include <cmath>
 #include <filesystem>
 #include <optional>
+#include <sstream>
 
 #include "base/error.h"
+#include "base/file.h"
 #include "base/strict_yaml.h"
+#include "base/suggest.h"
+#include "segmentation/segmenter_options.h"
 
 namespace rds {
 namespace {
@@ -71,6 +75,9 @@ class Section {
     throw InputError(fmt::format("{}: {} must be {}", file_, Path(key), wanted));
   }
 
+  // Where the file lies.
+  [[nodiscard]] fs::path Folder() const { return fs::path(file_).parent_path(); }
+
   [[nodiscard]] YAML::Node Child(const char* key) const {
     return node_ ? node_[key] : YAML::Node(YAML::NodeType::Undefined);
   }
@@ -108,11 +115,54 @@ void ReadInput(const Section& input, SegmentationModel& model) {
   }
 }
 
+constexpr std::array<const char*, 4> kKinds = {"logits", "labels", "mask", "instances"};
+
+void ReadKind(const Section& output, SegmentationModel& model) {
+  std::string kind = kKinds[static_cast<std::size_t>(model.output)];
+  output.Read("kind", kind, "a word");
+  const auto* const found = std::ranges::find(kKinds, kind);
+  if (found == kKinds.end()) {
+    output.Refuse("kind", fmt::format("one of {}", fmt::join(kKinds, ", ")));
+  }
+  model.output = static_cast<SegmentationModel::Output>(found - kKinds.begin());
+}
+
+// A line a class. Blanks around names are left out, and so are empty lines at the end.
+std::vector<std::string> ReadNames(const fs::path& file) {
+  std::vector<std::string> names;
+  std::istringstream lines(ReadFile(file));
+  for (std::string line; std::getline(lines, line);) {
+    const std::size_t begin = line.find_first_not_of(" \t\r");
+    const std::size_t end = line.find_last_not_of(" \t\r");
+    names.push_back(begin == std::string::npos ? "" : line.substr(begin, end + 1 - begin));
+  }
+  while (!names.empty() && names.back().empty()) {
+    names.pop_back();
+  }
+  if (names.empty()) {
+    throw InputError(file.string() + ": names no classes; a line with a name is wanted for each, from class 0 on");
+  }
+  return names;
+}
+
+void ReadInstances(const Section& instances, SegmentationModel& model) {
+  instances.Read("boxes", model.boxes_tensor, "the name of a tensor");
+  instances.Read("scores", model.scores_tensor, "the name of a tensor");
+  instances.Read("classes", model.classes_tensor, "the name of a tensor");
+  instances.Read("masks", model.masks_tensor, "the name of a tensor");
+  bool x_first = model.box_order == SegmentationModel::BoxOrder::kXyxy;
+  instances.ReadChoice("order", x_first, "xyxy", "yxyx");
+  model.box_order = x_first ? SegmentationModel::BoxOrder::kXyxy : SegmentationModel::BoxOrder::kYxyx;
+  instances.Read("relative", model.boxes_are_relative, "true or false");
+  instances.Read("score", model.score, "a number from 0 to 1");
+  if (!(model.score >= 0 && model.score <= 1)) {
+    instances.Refuse("score", "from 0 to 1");
+  }
+}
+
 void ReadOutput(const Section& output, SegmentationModel& model) {
   output.Read("tensor", model.output_tensor, "the name of a tensor");
-  bool logits = model.output == SegmentationModel::Output::kLogits;
-  output.ReadChoice("kind", logits, "logits", "labels");
-  model.output = logits ? SegmentationModel::Output::kLogits : SegmentationModel::Output::kLabels;
+  ReadKind(output, model);
   output.ReadOrder("layout", model.output_order);
   output.Read("stride", model.stride, "[y, x] in pixels");
   output.Read("offset", model.offset, "[y, x] in pixels");
@@ -121,6 +171,11 @@ void ReadOutput(const Section& output, SegmentationModel& model) {
   }
   if (!AllFinite(model.offset)) {
     output.Refuse("offset", "[y, x] in pixels");
+  }
+  std::string names;
+  output.Read("names", names, "the name of a file");
+  if (!names.empty()) {
+    model.names = ReadNames(output.Folder() / names);
   }
   output.Read("labels", model.labels, "a list of class numbers");
   if (model.labels.empty() || *std::min_element(model.labels.begin(), model.labels.end()) < 0) {
@@ -138,11 +193,14 @@ void ReadOutput(const Section& output, SegmentationModel& model) {
 
 void ReadYaml(const std::string& file, SegmentationModel& model) {
   const YAML::Node root = ReadStrictYaml(file);
-  const Section top(file, "", root, {"input", "output", "ignore_rounding"});
+  const Section top(file, "", root, {"input", "output", "instances", "ignore_rounding"});
   ReadInput(Section(file, "input", top.Child("input"), {"layout", "size", "color", "mean", "scale"}), model);
   ReadOutput(Section(file, "output", top.Child("output"),
-                     {"tensor", "kind", "layout", "stride", "offset", "labels", "threshold", "unsure"}),
+                     {"tensor", "kind", "layout", "stride", "offset", "names", "labels", "threshold", "unsure"}),
              model);
+  ReadInstances(Section(file, "instances", top.Child("instances"),
+                        {"boxes", "scores", "classes", "masks", "order", "relative", "score"}),
+                model);
   top.Read("ignore_rounding", model.ignore_rounding, "true or false");
 }
 
@@ -152,6 +210,9 @@ std::string DescriptionOf(const std::string& weights) { return weights + ".yaml"
 // thresholds are low, because a person that is missed costs SLAM more than a bit of wall that is masked.
 std::optional<SegmentationModel> BuiltIn(const std::string& file_name) {
   SegmentationModel model;
+  model.names = {"background", "aeroplane", "bicycle",     "bird",  "boat",        "bottle", "bus",
+                 "car",        "cat",       "chair",       "cow",   "diningtable", "dog",    "horse",
+                 "motorbike",  "person",    "pottedplant", "sheep", "sofa",        "train",  "tvmonitor"};
   if (file_name == "deeplabv3_mnv2_pascal_quant.tflite" || file_name == "deeplabv3_mnv2_dm05_pascal_quant.tflite") {
     model.input_order = model.output_order = ChannelOrder::kLast;
     // Published for 513 x 513; fully convolutional, so it runs at the shape of a camera's image and less than half the
@@ -191,6 +252,11 @@ ScoreGrid SegmentationModel::Grid(int network_height, int network_width, int out
           .input_height = network_height};
 }
 
+ScoreGrid SegmentationModel::PixelGrid(int network_height, int network_width) const {
+  return {
+      .width = network_width, .height = network_height, .input_width = network_width, .input_height = network_height};
+}
+
 bool HasDescription(const std::string& weights) {
   std::error_code error;
   return fs::exists(DescriptionOf(weights), error) || BuiltIn(fs::path(weights).filename().string()).has_value();
@@ -222,6 +288,56 @@ SegmentationModel LoadSegmentationModel(const std::string& weights) {
   return *model;
 }
 
+bool HasBuiltInDescription(const std::string& name) {
+  return BuiltIn(name + ".onnx").has_value() || BuiltIn(name + ".tflite").has_value();
+}
+
+SegmentationModel DescribeRemoteModel(const std::string& name, const std::string& description) {
+  SegmentationModel model;
+  if (!description.empty()) {
+    ReadYaml(description, model);
+  } else if (const auto onnx = BuiltIn(name + ".onnx")) {
+    model = *onnx;
+  } else if (const auto tflite = BuiltIn(name + ".tflite")) {
+    model = *tflite;
+  }
+  model.weights = name;
+  return model;
+}
+
+void ChooseDynamicClasses(SegmentationModel& model, const std::string& dynamic_classes) {
+  std::vector<std::string> wanted;
+  const bool in_brackets = dynamic_classes.starts_with('[') && dynamic_classes.ends_with(']');
+  std::istringstream words(in_brackets ? dynamic_classes.substr(1, dynamic_classes.size() - 2) : dynamic_classes);
+  for (std::string word; std::getline(words, word, ',');) {
+    const std::size_t begin = word.find_first_not_of(' ');
+    if (begin != std::string::npos) {
+      wanted.push_back(word.substr(begin, word.find_last_not_of(' ') + 1 - begin));
+    }
+  }
+  if (wanted.empty()) {
+    throw InputError("option semantic.dynamic_classes: names of classes are wanted, such as person, cat");
+  }
+  if (model.names.empty()) {
+    if (wanted != std::vector<std::string>{kDefaultDynamicClass}) {
+      throw InputError(
+          fmt::format("option semantic.dynamic_classes: weights {} name no classes; say which file does "
+                      "under output.names of {}",
+                      model.weights, DescriptionOf(model.weights)));
+    }
+    return;
+  }
+  model.labels.clear();
+  for (const std::string& name : wanted) {
+    const auto found = std::ranges::find(model.names, name);
+    if (found == model.names.end()) {
+      throw InputError(fmt::format("option semantic.dynamic_classes: weights {} know no '{}'{}; there are {}",
+                                   model.weights, name, Suggestion(name, model.names), fmt::join(model.names, ", ")));
+    }
+    model.labels.push_back(static_cast<int>(found - model.names.begin()));
+  }
+}
+
 std::string ToYaml(const SegmentationModel& model) {
   const auto layout = [](ChannelOrder order) { return order == ChannelOrder::kFirst ? "NCHW" : "NHWC"; };
   return fmt::format(
@@ -240,12 +356,22 @@ std::string ToYaml(const SegmentationModel& model) {
       "  labels: [{}]\n"
       "  threshold: {}\n"
       "  unsure: {}\n"
+      "instances:\n"
+      "  boxes: \"{}\"\n"
+      "  scores: \"{}\"\n"
+      "  classes: \"{}\"\n"
+      "  masks: \"{}\"\n"
+      "  order: {}\n"
+      "  relative: {}\n"
+      "  score: {}\n"
       "ignore_rounding: {}\n",
       layout(model.input_order), model.input_height, model.input_width, model.input_is_rgb ? "RGB" : "BGR",
       fmt::join(model.mean, ", "), fmt::join(model.scale, ", "), model.output_tensor,
-      model.output == SegmentationModel::Output::kLogits ? "logits" : "labels", layout(model.output_order),
-      fmt::join(model.stride, ", "), fmt::join(model.offset, ", "), fmt::join(model.labels, ", "), model.threshold,
-      model.unsure, model.ignore_rounding);
+      kKinds[static_cast<std::size_t>(model.output)], layout(model.output_order), fmt::join(model.stride, ", "),
+      fmt::join(model.offset, ", "), fmt::join(model.labels, ", "), model.threshold, model.unsure, model.boxes_tensor,
+      model.scores_tensor, model.classes_tensor, model.masks_tensor,
+      model.box_order == SegmentationModel::BoxOrder::kXyxy ? "xyxy" : "yxyx", model.boxes_are_relative, model.score,
+      model.ignore_rounding);
 }
 
 }  // namespace rds

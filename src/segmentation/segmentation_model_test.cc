@@ -56,6 +56,37 @@ TEST_F(SegmentationModelTest, KnowsThePublishedFilesByName) {
   EXPECT_LT(fast.threshold, LoadSegmentationModel(Write("deeplabv3_mnv2_pascal_quant.tflite", "x")).threshold);
 }
 
+TEST_F(SegmentationModelTest, DynamicClassesAreChosenByName) {
+  const auto chosen = [](SegmentationModel model, const std::string& names) {
+    ChooseDynamicClasses(model, names);
+    return model.labels;
+  };
+  const auto error = [&](const SegmentationModel& model, const std::string& names) {
+    try {
+      (void)chosen(model, names);
+    } catch (const InputError& problem) {
+      return std::string(problem.what());
+    }
+    return std::string("no error");
+  };
+  const SegmentationModel published = LoadSegmentationModel(Write("deeplabv3_mnv2_361x481.onnx", "x"));
+  EXPECT_EQ(chosen(published, "person"), std::vector<int>{15});
+  EXPECT_EQ(chosen(published, "person, cat,dog"), (std::vector<int>{15, 8, 12}));
+  EXPECT_EQ(chosen(published, "[person, cat]"), (std::vector<int>{15, 8}));
+  EXPECT_THAT(error(published, "persn"), HasSubstr("'person'"));
+  EXPECT_THAT(error(published, " , "), HasSubstr("names of classes are wanted"));
+  Write("mine.onnx.yaml", "output:\n  labels: [3]\n");
+  const SegmentationModel nameless = LoadSegmentationModel(Write("mine.onnx", "x"));
+  EXPECT_EQ(chosen(nameless, "person"), std::vector<int>{3});
+  EXPECT_THAT(error(nameless, "cat"), HasSubstr("output.names of"));
+  Write("names.txt", "nothing\n person \r\ncat\n\n");
+  Write("mine.onnx.yaml", "output:\n  kind: instances\n  names: names.txt\ninstances:\n  score: 0.7\n");
+  const SegmentationModel named = LoadSegmentationModel((folder_ / "mine.onnx").string());
+  EXPECT_EQ(named.output, SegmentationModel::Output::kInstances);
+  EXPECT_EQ(named.score, 0.7);
+  EXPECT_EQ(chosen(named, "cat"), std::vector<int>{2});
+}
+
 TEST_F(SegmentationModelTest, UnknownWeightsWantADescription) {
   const std::string weights = Write("mine.onnx", "x");
   EXPECT_THAT(Error(weights), HasSubstr(weights + ".yaml"));

@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "base/suggest.h"
+#include "segmentation/remote_segmenter.h"
 #include "segmentation/segmentation_model.h"
 #include "segmentation/unsure_segmenter.h"
 #include "segmentation/weights.h"
@@ -49,7 +50,7 @@ std::string FromName(const std::string& name) {
 }  // namespace
 
 const std::vector<std::string>& SegmenterNames() {
-  static const std::vector<std::string> names = {"openvino", "stored", "geometry", "none"};
+  static const std::vector<std::string> names = {"openvino", "remote", "stored", "geometry", "none"};
   return names;
 }
 
@@ -79,13 +80,18 @@ std::unique_ptr<Segmenter> MakeSegmenter(const std::string& name, const Segmente
   if (name == "stored") {
     return std::make_unique<StoredSegmenter>(std::move(masks), std::move(mask_reader), options.stored_delay_ms);
   }
+  if (name == "remote") {
+    return MakeRemoteSegmenter(options.remote, options.dynamic_classes);
+  }
   if (name == "openvino") {
     CheckOpenVino();  // before the weights: without the runtime they are of no use
     const std::string weights = ResolveWeights(options.model);
     if (!HasDescription(weights)) {
       CheckNetworkFile(weights);  // that it is damaged is said first, not that nothing describes it
     }
-    return MakeOpenVinoSegmenter(LoadSegmentationModel(weights), options.openvino);
+    SegmentationModel model = LoadSegmentationModel(weights);
+    ChooseDynamicClasses(model, options.dynamic_classes);
+    return MakeOpenVinoSegmenter(model, options.openvino);
   }
   throw InputError(fmt::format("--segmenter: '{}' is unknown{}; one of {}", name, Suggestion(name, SegmenterNames()),
                                fmt::join(SegmenterNames(), ", ")));

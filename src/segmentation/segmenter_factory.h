@@ -13,7 +13,7 @@
 
 namespace rds {
 
-// The back ends' names, as --segmenter takes them: "openvino", "stored", "geometry", "none".
+// The back ends' names, as --segmenter takes them: "openvino", "remote", "stored", "geometry", "none".
 [[nodiscard]] const std::vector<std::string>& SegmenterNames();
 
 // The back end of that name; null for "none". `masks` are the sequence's, for "stored", and

@@ -75,7 +75,9 @@ TEST_F(SegmenterFactoryTest, WeightsAreLookedForInOrder) {
 TEST_F(SegmenterFactoryTest, MakesBackEndsByName) {
   EXPECT_EQ(MakeSegmenter("none", {}, {}, {}), nullptr);
   const std::string mask = Make("mask.png");
-  const auto stored = MakeSegmenter("stored", {.model = "", .openvino = {}, .stored_delay_ms = 30}, {{1, mask}}, {});
+  SegmenterOptions options;
+  options.stored_delay_ms = 30;
+  const auto stored = MakeSegmenter("stored", options, {{1, mask}}, {});
   ASSERT_NE(stored, nullptr);
   EXPECT_EQ(stored->Name(), "stored, 30 ms");
   EXPECT_THAT(ErrorOf([] { std::ignore = MakeSegmenter("stored", {}, {}, {}); }), HasSubstr("mask.txt"));

@@ -116,6 +116,8 @@ void BindSegmenter(SegmenterOptions& options, OptionTable& table) {
       "semantic.stored.delay_ms", options.stored_delay_ms, 0, 3.6e6,
       "back end stored: time that a request takes, milliseconds (in lockstep see semantic.lockstep_delay_frames)");
   OpenVinoOptions& openvino = options.openvino;
+  table.Text("semantic.dynamic_classes", options.dynamic_classes,
+             "classes that move, by the names that the network gives them, with commas: person, cat, dog");
   table.Text("semantic.openvino.model", options.model,
              "back end openvino: weights, a file or fast or accurate; empty: $RDS_WEIGHTS, else what was fetched");
   table.Real("semantic.openvino.threshold", openvino.threshold, 0, 1,
@@ -125,6 +127,15 @@ void BindSegmenter(SegmenterOptions& options, OptionTable& table) {
   table.Int("semantic.openvino.threads", openvino.threads, 1, 256, "threads that inference uses");
   table.Int("semantic.openvino.max_batch", openvino.max_batch, 1, 2, "images in a run of the network");
   table.Text("semantic.openvino.device", openvino.device, "device, as OpenVINO names it");
+  RemoteOptions& remote = options.remote;
+  table.Text("semantic.remote.url", remote.url,
+             "back end remote: the model on a server that speaks the Open Inference Protocol (KServe v2): "
+             "http://HOST:PORT/v2/models/NAME");
+  table.Text("semantic.remote.description", remote.description,
+             "back end remote: YAML file that says what the model wants and gives; \"\" = built in, or not needed");
+  table.Real("semantic.remote.timeout_s", remote.timeout_s, 0.05, 600, "back end remote: time for an answer, seconds");
+  table.Int("semantic.remote.jpeg_quality", remote.jpeg_quality, 0, 100,
+            "back end remote: send JPEG of this quality where the server takes both; 0 = raw");
 }
 
 void BindOrb(OrbOptions& options, OptionTable& table) {
