@@ -27,8 +27,8 @@ CONFINED = [
     (r"<boost/", {"io"}, "Boost: .cc files of io/"),
     (r"<openssl/", {"base"}, "OpenSSL: .cc files of base/ (digests)"),
     (r"<CLI/", {"cli"}, "CLI11: cli/"),
-    (r"<yaml-cpp/", {"base", "io", "segmentation"},
-     "yaml-cpp: .cc files of base/ (the strict reader), io/, segmentation/"),
+    (r"<yaml-cpp/", {"base", "io", "segmentation", "cli"},
+     "yaml-cpp: .cc files of base/ (the strict reader), io/, segmentation/, cli/"),
 ]
 THREADS = re.compile(r"std::(?:recursive_|shared_|timed_)?mutex\b|std::j?thread\b|std::condition_variable|std::async\b|"
                      r"std::(?:lock_guard|unique_lock|scoped_lock|shared_lock)\b|sleep_for\b|sleep_until\b")

@@ -14,6 +14,7 @@ void AddEvalCommand(CLI::App& app);
 void AddBenchCommand(CLI::App& app);
 void AddAblateCommand(CLI::App& app);
 void AddSynthCommand(CLI::App& app);
+void AddEvaluateCommand(CLI::App& app);
 void AddSegmentCommand(CLI::App& app);
 void AddServeCommand(CLI::App& app);
 void AddFetchCommand(CLI::App& app);

@@ -36,6 +36,7 @@ int main(int argc, char** argv) {
   rds::AddBenchCommand(app);
   rds::AddAblateCommand(app);
   rds::AddSynthCommand(app);
+  rds::AddEvaluateCommand(app);
   rds::AddSegmentCommand(app);
   rds::AddServeCommand(app);
   rds::AddFetchCommand(app);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "eval/svg.h"
+#include "eval/ticks.h"
 
 namespace rds {
 namespace {
@@ -57,36 +58,6 @@ Paths Project(const Evaluation& evaluation) {
     paths.estimate.push_back(project(match.estimate));
   }
   return paths;
-}
-
-// 1, 2 or 5 times a power of ten, so that at most `count` steps fill the span.
-double TickStep(double span, int count) {
-  const double raw = std::max(span, 1e-9) / count;
-  const double power = std::pow(10, std::floor(std::log10(raw)));
-  for (const double factor : {1.0, 2.0, 5.0}) {
-    if (factor * power >= raw * (1 - 1e-9)) {
-      return factor * power;
-    }
-  }
-  return 10 * power;
-}
-
-// Multiples of the step from `low` to `high`; counted, so that they end where a step is lost in rounding, too.
-std::vector<double> Ticks(double low, double high, double step) {
-  constexpr int kMost = 100;
-  std::vector<double> ticks;
-  const double first = std::ceil(low / step);
-  for (int i = 0; i < kMost && (first + i) * step <= high; ++i) {
-    ticks.push_back((first + i) * step);
-  }
-  return ticks;
-}
-
-// With the decimals that the step needs.
-std::string TickText(double value, double step) {
-  const int decimals = std::max(0, static_cast<int>(-std::floor(std::log10(step) + 1e-9)));
-  const std::string text = fmt::format("{:.{}f}", value, decimals);
-  return text.find_first_not_of("-0.") == std::string::npos ? "0" : text;
 }
 
 // A window on the world: meters to pixels at one scale for both axes.
