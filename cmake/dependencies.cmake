@@ -34,6 +34,7 @@ rds_find(CLI11 2.1 3)
 rds_find(CURL 7.81 9)
 rds_find(OpenSSL 3.0 4 COMPONENTS Crypto)
 rds_find(Boost 1.74 2)  # headers only
+rds_find(LibArchive 3.4 4)
 if(RDS_TESTS)
   rds_find(GTest 1.11 2)
 endif()

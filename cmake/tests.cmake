@@ -85,6 +85,7 @@ if(NOT RDS_SANITIZE)
       rds_add_repository_test(faults_${test} ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/tests/faults_test.py
         $<TARGET_FILE:rds_program> ${test})
     endforeach()
+    rds_add_repository_test(fetch ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/tests/fetch_test.py $<TARGET_FILE:rds_program>)
     foreach(test serve kserve)
       rds_add_repository_test(remote_${test} ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/tests/remote_test.py
         $<TARGET_FILE:rds_program>

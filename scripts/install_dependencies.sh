@@ -10,13 +10,13 @@ source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 PACKAGES=(
   g++ cmake ninja-build ccache
   libeigen3-dev libopencv-dev libyaml-cpp-dev nlohmann-json3-dev libspdlog-dev libcli11-dev
-  libcurl4-openssl-dev libssl-dev libboost-dev
+  libcurl4-openssl-dev libssl-dev libboost-dev libarchive-dev
   libgtest-dev libgmock-dev
   python3 python3-venv python3-pip
   ca-certificates
 )
 WANTED="g++ >= 11, CMake >= 3.22, Ninja, Eigen 3.4, OpenCV 4.5 - 4.x, yaml-cpp 0.7 - 0.8,
-nlohmann-json 3.10 - 3.x, spdlog 1.9 - 1.x, CLI11 2.1 - 2.x, libcurl >= 7.81, OpenSSL 3, Boost >= 1.74 (headers), GoogleTest >= 1.11,
+nlohmann-json 3.10 - 3.x, spdlog 1.9 - 1.x, CLI11 2.1 - 2.x, libcurl >= 7.81, OpenSSL 3, Boost >= 1.74 (headers), libarchive >= 3.4, GoogleTest >= 1.11,
 Python 3.8 or newer with venv; ccache is optional"
 
 # Without dpkg, whether all is there can only be told by trying.

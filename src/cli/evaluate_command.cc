@@ -29,7 +29,8 @@ struct EvaluateArguments {
   bool report_only = false;
 };
 
-// Returns the exit code: 0 all well, 1 where a run failed, 128 + signal after an interrupt; there is a report in any case.
+// Returns the exit code: 0 all well, 1 where a run failed, 128 + signal after an interrupt; there is a report in any
+// case.
 int EvaluateSuite(const EvaluateArguments& arguments) {
   const InterruptGuard interrupt_guard;
   Suite suite = ReadSuite(arguments.suite, arguments.data);
@@ -61,7 +62,9 @@ void AddEvaluateCommand(CLI::App& app) {
       "Run all that a suite names (sequences, configurations, repetitions), each in a folder of its own, and write a "
       "report with tables and plots: report.html, report.md, *.csv. What is there from before is not run again.");
   auto arguments = std::make_shared<EvaluateArguments>();
-  command->add_option("suite", arguments->suite, "Suite, such as evaluation/paper.yaml; evaluation/README.md tells how to write one")
+  command
+      ->add_option("suite", arguments->suite,
+                   "Suite, such as evaluation/paper.yaml; evaluation/README.md tells how to write one")
       ->type_name("SUITE.yaml")
       ->required();
   command->add_option("--out", arguments->out, "Folder for runs and report; made if it is not there")

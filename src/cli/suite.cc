@@ -25,7 +25,8 @@ class Mapping {
   Mapping(const fs::path& file, const YAML::Node& node, const std::vector<std::string>& keys)
       : file_(file), node_(node) {
     if (!node.IsMap()) {
-      throw InputError(WhereInYaml(file, node) + ": a mapping is wanted, with the keys " + fmt::format("{}", fmt::join(keys, ", ")));
+      throw InputError(WhereInYaml(file, node) + ": a mapping is wanted, with the keys " +
+                       fmt::format("{}", fmt::join(keys, ", ")));
     }
     for (const auto& entry : node) {
       const std::string& key = entry.first.Scalar();
@@ -79,12 +80,15 @@ void CheckNames(const fs::path& file, const std::vector<T>& all, const char* wha
   std::set<std::string> seen;
   for (const T& one : all) {
     if (!seen.insert(AsFileName(one.name)).second) {
-      throw InputError(fmt::format("{}: two {} are called '{}' (or differ in signs only)", file.string(), what, one.name));
+      throw InputError(
+          fmt::format("{}: two {} are called '{}' (or differ in signs only)", file.string(), what, one.name));
     }
   }
 }
 
-fs::path From(const fs::path& base, const std::string& path) { return fs::path(path).is_absolute() ? fs::path(path) : base / path; }
+fs::path From(const fs::path& base, const std::string& path) {
+  return fs::path(path).is_absolute() ? fs::path(path) : base / path;
+}
 
 SuiteSequence ReadSequence(const Mapping& map, const fs::path& base) {
   SuiteSequence sequence;
@@ -111,7 +115,8 @@ SuiteConfiguration ReadConfiguration(const Mapping& map) {
     configuration.segmenter = "stored";
   }
   if (!(configuration.rate >= 0.01 && configuration.rate <= 1000)) {
-    throw InputError(fmt::format("{}: rate is 0.01 to 1000 times as recorded", WhereInYaml(map.file(), map.At("rate"))));
+    throw InputError(
+        fmt::format("{}: rate is 0.01 to 1000 times as recorded", WhereInYaml(map.file(), map.At("rate"))));
   }
   return configuration;
 }

@@ -20,10 +20,10 @@ struct SuiteSequence {
 struct SuiteConfiguration {
   std::string name;
   std::string segmenter = "openvino";
-  std::string model;        // weights; "" = what is there
-  std::string masks_by;     // weights whose masks are made first and then played back; "" = none
+  std::string model;     // weights; "" = what is there
+  std::string masks_by;  // weights whose masks are made first and then played back; "" = none
   std::string preset;
-  double rate = 1;          // of playing; 0.5: a sequence of 30 Hz at 15 Hz
+  double rate = 1;  // of playing; 0.5: a sequence of 30 Hz at 15 Hz
   bool lockstep = false;
   std::vector<std::string> set;  // "key=value"
 };
@@ -64,8 +64,8 @@ struct Suite {
   std::vector<int> pictures;  // frames to show, of each sequence and configuration
 };
 
-// Reads SUITE.yaml, as evaluation/README.md tells. Paths in it start from `data`, or where that is empty from the suite's
-// own folder. InputError naming file and line for what is no suite: unknown keys, doubled names, no sequence.
+// Reads SUITE.yaml, as evaluation/README.md tells. Paths in it start from `data`, or where that is empty from the
+// suite's own folder. InputError naming file and line for what is no suite: unknown keys, doubled names, no sequence.
 [[nodiscard]] Suite ReadSuite(const std::filesystem::path& file, const std::filesystem::path& data);
 
 // A name as a name of a file.

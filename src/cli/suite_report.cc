@@ -22,7 +22,8 @@ namespace {
 namespace fs = std::filesystem;
 
 // Readable on a phone: one column, tables that scroll sideways, pictures no wider than the screen.
-constexpr const char* kStyle = R"(<meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">
+constexpr const char* kStyle =
+    R"(<meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">
 <style>
 body { font: 16px/1.45 Helvetica, Arial, sans-serif; color: #222; max-width: 60rem; margin: 0 auto; padding: 0 1rem 3rem; }
 h1 { font-size: 1.6rem; } h2 { font-size: 1.2rem; margin-top: 2.2rem; } h3 { font-size: 1rem; }
@@ -46,9 +47,8 @@ struct FigureGroup {
 
 // How many frames the newest label lies behind, over the frames (figures 6 and 16 of the paper).
 FigureGroup DelayFigures(const Suite& suite, const std::vector<MethodResults>& results) {
-  FigureGroup group{"Semantic delay",
-                    "Frames from the newest labeled keyframe to the frame that is tracked, in the first run.",
-                    {}};
+  FigureGroup group{
+      "Semantic delay", "Frames from the newest labeled keyframe to the frame that is tracked, in the first run.", {}};
   for (std::size_t i = 0; i < suite.sequences.size(); ++i) {
     std::vector<LineSeries> lines;
     for (const MethodResults& method : results) {
@@ -110,8 +110,9 @@ void AddPictures(const Suite& suite, const fs::path& out, std::string& html, std
     }
   }
   if (!html_part.empty()) {
-    constexpr const char* kNote = "Blue: static, used first. Green: unknown. Red: dynamic, not used. The newest mask and "
-                                  "the map from above beside it.";
+    constexpr const char* kNote =
+        "Blue: static, used first. Green: unknown. Red: dynamic, not used. The newest mask and "
+        "the map from above beside it.";
     html += fmt::format("<h2>Features by state</h2>\n<p>{}</p>\n", kNote) + html_part;
     markdown += fmt::format("## Features by state\n\n{}\n\n", kNote) + markdown_part;
   }
@@ -126,9 +127,10 @@ void WriteSuiteReport(const Suite& suite, const std::vector<MethodResults>& resu
   const std::string about =
       fmt::format("rds {}, {}; {} repetitions of what is not in lockstep.", kVersion, ThisMachine(), suite.repetitions);
   std::string markdown = fmt::format("# {}\n\n{}\n\n", suite.title, about);
-  std::string html = fmt::format("<!doctype html>\n<html lang=\"en\"><head><title>{0}</title>\n{1}</head><body>\n<h1>{0}</h1>\n"
-                                 "<p>{2}</p>\n",
-                                 HtmlText(suite.title), kStyle, HtmlText(about));
+  std::string html = fmt::format(
+      "<!doctype html>\n<html lang=\"en\"><head><title>{0}</title>\n{1}</head><body>\n<h1>{0}</h1>\n"
+      "<p>{2}</p>\n",
+      HtmlText(suite.title), kStyle, HtmlText(about));
   for (const std::string& problem : problems) {
     markdown += "**" + problem + "**\n\n";
     html += "<p class=\"problem\">" + HtmlText(problem) + "</p>\n";

@@ -11,8 +11,8 @@
 
 namespace rds {
 
-// Writes report.md, report.html (one file with its pictures in it, for any browser), errors.csv, a CSV for each table and
-// the plots that report.md shows (figures/*.svg). `problems` are said at the top.
+// Writes report.md, report.html (one file with its pictures in it, for any browser), errors.csv, a CSV for each table
+// and the plots that report.md shows (figures/*.svg). `problems` are said at the top.
 void WriteSuiteReport(const Suite& suite, const std::vector<MethodResults>& results,
                       const std::vector<std::string>& problems, const std::filesystem::path& out);
 

@@ -27,9 +27,9 @@ struct RunErrors {
 
 // The runs of one method, or one configuration, on one sequence.
 struct SequenceResults {
-  std::vector<RunErrors> frames;             // of all poses, one for each run that has an error
-  std::vector<RunErrors> keyframes;          // of the keyframes alone; none of other systems
-  std::vector<nlohmann::json> reports;       // report.json; none of other systems
+  std::vector<RunErrors> frames;               // of all poses, one for each run that has an error
+  std::vector<RunErrors> keyframes;            // of the keyframes alone; none of other systems
+  std::vector<nlohmann::json> reports;         // report.json; none of other systems
   std::vector<std::filesystem::path> folders;  // of the runs in `reports`
   // The run with the median error, for pictures.
   std::optional<Evaluation> median;

@@ -134,7 +134,8 @@ std::string LastLine(const fs::path& log) {
     return "";
   }
   const std::size_t begin = text.rfind('\n', end);
-  return text.substr(begin == std::string::npos ? 0 : begin + 1, end - (begin == std::string::npos ? 0 : begin + 1) + 1);
+  return text.substr(begin == std::string::npos ? 0 : begin + 1,
+                     end - (begin == std::string::npos ? 0 : begin + 1) + 1);
 }
 
 // The command as the folder keeps it, with the program's digest: another build's results are no results of this one.
@@ -225,8 +226,8 @@ std::vector<SuiteJob> PlanSuite(const Suite& suite, const fs::path& out) {
             words.push_back(std::move(word));
           }
           Append(words, {"--model", configuration.masks_by, "--out", folder.string()});
-          masks.push_back(
-              {JobKind::kMasks, fmt::format("{}, masks by {}", sequence.name, configuration.masks_by), folder, words, 0});
+          masks.push_back({JobKind::kMasks, fmt::format("{}, masks by {}", sequence.name, configuration.masks_by),
+                           folder, words, 0});
         }
       }
       for (int i = 0; i < (configuration.lockstep ? 1 : suite.repetitions); ++i) {  // lockstep repeats itself
@@ -243,7 +244,8 @@ std::vector<SuiteJob> PlanSuite(const Suite& suite, const fs::path& out) {
           std::vector<std::string> words = RunWords(out, sequence, configuration, FramesUpTo(sequence, frame));
           Append(words, {"--out", file.parent_path().string(), "--still", file.string(), "--still-frame",
                          std::to_string(frame)});
-          pictures.push_back({JobKind::kPicture, fmt::format("{}, {}, frame {}", sequence.name, configuration.name, frame),
+          pictures.push_back({JobKind::kPicture,
+                              fmt::format("{}, {}, frame {}", sequence.name, configuration.name, frame),
                               file.parent_path(), words, 0});
         }
       }

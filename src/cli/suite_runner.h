@@ -34,15 +34,15 @@ struct SuiteJob {
                                                 const SuiteConfiguration& configuration, int frame);
 
 struct SuiteOutcome {
-  std::size_t run = 0;      // now
-  std::size_t there = 0;    // from before
-  std::size_t left = 0;     // not run, as it was interrupted
+  std::size_t run = 0;                // now
+  std::size_t there = 0;              // from before
+  std::size_t left = 0;               // not run, as it was interrupted
   std::vector<std::string> failures;  // what failed, and why; the rest was run all the same
 };
 
-// Runs what is missing, with a progress display. A job is there where its folder holds what the same command of the same
-// program (by its digest) left, complete; anything else is run anew. Stops after an interrupt (the run under way is
-// ended, and is run again the next time). What a command says is in log.txt of its folder.
+// Runs what is missing, with a progress display. A job is there where its folder holds what the same command of the
+// same program (by its digest) left, complete; anything else is run anew. Stops after an interrupt (the run under way
+// is ended, and is run again the next time). What a command says is in log.txt of its folder.
 [[nodiscard]] SuiteOutcome RunSuite(const std::vector<SuiteJob>& jobs);
 
 }  // namespace rds

@@ -22,7 +22,8 @@ struct ErrorKind {
 };
 
 constexpr const char* kErrorNote =
-    "RMSE / standard deviation over a trajectory: medians of the runs, and in small print the least and greatest RMSE; a "
+    "RMSE / standard deviation over a trajectory: medians of the runs, and in small print the least and greatest RMSE; "
+    "a "
     "share of frames where not all were tracked.";
 
 const std::array kErrorKinds = {
@@ -141,12 +142,13 @@ std::vector<ReportTable> ErrorTables(const Suite& suite, const std::vector<Metho
 }
 
 ReportTable TimeTable(const Suite& suite, const std::vector<MethodResults>& results) {
-  ReportTable table{"times",
-                    "Execution time [ms]",
-                    "Medians over all sequences and runs of each run's median; tracking with its 95 % quantile in small "
-                    "print. Published times are those of the hardware named.",
-                    {"method", "hardware", "segmentation", "mask", "moving probability", "optimization", "track a frame"},
-                    {}};
+  ReportTable table{
+      "times",
+      "Execution time [ms]",
+      "Medians over all sequences and runs of each run's median; tracking with its 95 % quantile in small "
+      "print. Published times are those of the hardware named.",
+      {"method", "hardware", "segmentation", "mask", "moving probability", "optimization", "track a frame"},
+      {}};
   for (const MethodResults& method : results) {
     if (!method.is_own) {
       continue;
@@ -181,12 +183,13 @@ ReportTable TimeTable(const Suite& suite, const std::vector<MethodResults>& resu
 }
 
 ReportTable KeyframeTable(const Suite& suite, const std::vector<MethodResults>& results) {
-  ReportTable table{"keyframes",
-                    "Keyframes with a label",
-                    "Medians of the runs. The delay is the median number of frames from the newest labeled keyframe to the "
-                    "frame that is tracked.",
-                    {"sequence", "configuration", "frames", "run time [s]", "keyframes", "labeled", "delay [frames]"},
-                    {}};
+  ReportTable table{
+      "keyframes",
+      "Keyframes with a label",
+      "Medians of the runs. The delay is the median number of frames from the newest labeled keyframe to the "
+      "frame that is tracked.",
+      {"sequence", "configuration", "frames", "run time [s]", "keyframes", "labeled", "delay [frames]"},
+      {}};
   for (std::size_t i = 0; i < suite.sequences.size(); ++i) {
     for (const MethodResults& method : results) {
       const std::vector<const nlohmann::json*> reports = Pointers(method.sequences[i].reports);
@@ -262,7 +265,9 @@ std::string HtmlText(std::string_view text) {
 }
 
 std::string ToMarkdown(const ReportTable& table) {
-  const auto line = [](const std::vector<std::string>& cells) { return fmt::format("| {} |\n", fmt::join(cells, " | ")); };
+  const auto line = [](const std::vector<std::string>& cells) {
+    return fmt::format("| {} |\n", fmt::join(cells, " | "));
+  };
   std::string text = fmt::format("## {}\n\n{}\n\n", table.title, table.note) + line(table.headings);
   text += "|" + fmt::format("{}\n", fmt::join(std::vector<std::string>(table.headings.size(), "---|"), ""));
   for (const auto& row : table.rows) {

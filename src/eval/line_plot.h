@@ -15,8 +15,8 @@ struct LineSeries {
   std::vector<Eigen::Vector2d> points;
 };
 
-// SVG with axes from 0 (or the least value, if below), ticks, a line in a color of its own for each series, and a legend.
-// The same input gives the same bytes.
+// SVG with axes from 0 (or the least value, if below), ticks, a line in a color of its own for each series, and a
+// legend. The same input gives the same bytes.
 [[nodiscard]] std::string PlotLines(const std::string& title, const std::string& x_label, const std::string& y_label,
                                     std::span<const LineSeries> series);
 

@@ -79,13 +79,14 @@ std::string WithoutBlanks(const std::string& url) {
   return escaped;
 }
 
-// One request for the bytes from sink.done on.
-Attempt Request(const std::string& url, Sink& sink) {
+using CurlHandle = std::unique_ptr<CURL, decltype(&curl_easy_cleanup)>;
+
+// A handle for one request; `message` takes what goes wrong.
+CurlHandle Connect(const std::string& url, char* message) {
   static const CURLcode ready = curl_global_init(CURL_GLOBAL_DEFAULT);
   Check(ready == CURLE_OK, "curl cannot be set up");
-  const std::unique_ptr<CURL, decltype(&curl_easy_cleanup)> curl(curl_easy_init(), &curl_easy_cleanup);
+  CurlHandle curl(curl_easy_init(), &curl_easy_cleanup);
   Check(curl != nullptr, "curl has no memory");
-  std::array<char, CURL_ERROR_SIZE> message{};
   curl_easy_setopt(curl.get(), CURLOPT_URL, WithoutBlanks(url).c_str());
   if (const char* const certificates = std::getenv("SSL_CERT_FILE"); certificates != nullptr && *certificates != '\0') {
     curl_easy_setopt(curl.get(), CURLOPT_CAINFO, certificates);  // NOLINT(concurrency-mt-unsafe)
@@ -99,7 +100,14 @@ Attempt Request(const std::string& url, Sink& sink) {
   curl_easy_setopt(curl.get(), CURLOPT_LOW_SPEED_LIMIT, 100L);  // bytes a second
   curl_easy_setopt(curl.get(), CURLOPT_LOW_SPEED_TIME, 30L);    // seconds
   curl_easy_setopt(curl.get(), CURLOPT_USERAGENT, "rds");
-  curl_easy_setopt(curl.get(), CURLOPT_ERRORBUFFER, message.data());
+  curl_easy_setopt(curl.get(), CURLOPT_ERRORBUFFER, message);
+  return curl;
+}
+
+// One request for the bytes from sink.done on.
+Attempt Request(const std::string& url, Sink& sink) {
+  std::array<char, CURL_ERROR_SIZE> message{};
+  const CurlHandle curl = Connect(url, message.data());
   curl_easy_setopt(curl.get(), CURLOPT_RESUME_FROM_LARGE, static_cast<curl_off_t>(sink.done));
   curl_easy_setopt(curl.get(), CURLOPT_WRITEFUNCTION, &Receive);
   curl_easy_setopt(curl.get(), CURLOPT_WRITEDATA, &sink);
@@ -189,6 +197,22 @@ DownloadResult Download(const std::string& url, const fs::path& file, std::int64
                                                              "on)",
                                                              sink.done, bytes)
                                                : "")};
+}
+
+std::int64_t RemoteSize(const std::string& url) {
+  std::array<char, CURL_ERROR_SIZE> message{};
+  const CurlHandle curl = Connect(url, message.data());
+  curl_easy_setopt(curl.get(), CURLOPT_NOBODY, 1L);
+  const CURLcode code = curl_easy_perform(curl.get());
+  if (code != CURLE_OK) {
+    throw InputError(fmt::format("{}: {}", url, message[0] != '\0' ? message.data() : curl_easy_strerror(code)));
+  }
+  curl_off_t bytes = -1;
+  curl_easy_getinfo(curl.get(), CURLINFO_CONTENT_LENGTH_DOWNLOAD_T, &bytes);
+  if (bytes <= 0) {
+    throw InputError(url + ": the server does not say how large the file is");
+  }
+  return bytes;
 }
 
 }  // namespace rds

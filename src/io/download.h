@@ -24,4 +24,7 @@ struct DownloadResult {
 [[nodiscard]] DownloadResult Download(const std::string& url, const std::filesystem::path& file, std::int64_t bytes,
                                       const DownloadProgress& progress);
 
+// The size in bytes that the server says a file has. InputError naming the address where it cannot be told.
+[[nodiscard]] std::int64_t RemoteSize(const std::string& url);
+
 }  // namespace rds
