@@ -86,6 +86,8 @@ if(NOT RDS_SANITIZE)
         $<TARGET_FILE:rds_program> ${test})
     endforeach()
     rds_add_repository_test(fetch ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/tests/fetch_test.py $<TARGET_FILE:rds_program>)
+    rds_add_repository_test(evaluate ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/tests/evaluate_test.py
+      $<TARGET_FILE:rds_program>)
     foreach(test serve kserve)
       rds_add_repository_test(remote_${test} ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/tests/remote_test.py
         $<TARGET_FILE:rds_program>

@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <iostream>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -29,6 +30,21 @@ struct EvaluateArguments {
   bool report_only = false;
 };
 
+// What failed in one way is said once.
+std::vector<std::string> ProblemsOf(const SuiteOutcome& outcome) {
+  std::map<std::string, std::vector<const SuiteFailure*>> by_reason;
+  for (const SuiteFailure& failure : outcome.failures) {
+    by_reason[failure.why].push_back(&failure);
+  }
+  std::vector<std::string> problems;
+  for (const auto& [why, failures] : by_reason) {
+    problems.push_back(fmt::format("{}{}: {} (log: {})", failures[0]->title,
+                                   failures.size() > 1 ? fmt::format(" and {} more", failures.size() - 1) : "", why,
+                                   failures[0]->log));
+  }
+  return problems;
+}
+
 // Returns the exit code: 0 all well, 1 where a run failed, 128 + signal after an interrupt; there is a report in any
 // case.
 int EvaluateSuite(const EvaluateArguments& arguments) {
@@ -41,7 +57,7 @@ int EvaluateSuite(const EvaluateArguments& arguments) {
   if (!arguments.report_only) {
     outcome = RunSuite(PlanSuite(suite, out));
   }
-  std::vector<std::string> problems = outcome.failures;
+  std::vector<std::string> problems = ProblemsOf(outcome);
   if (outcome.left > 0) {
     problems.push_back(fmt::format("{} runs are missing; the same command goes on", outcome.left));
   }

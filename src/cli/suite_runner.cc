@@ -12,6 +12,7 @@
 #include <cstring>
 #include <iostream>
 #include <optional>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -136,6 +137,13 @@ std::string LastLine(const fs::path& log) {
   const std::size_t begin = text.rfind('\n', end);
   return text.substr(begin == std::string::npos ? 0 : begin + 1,
                      end - (begin == std::string::npos ? 0 : begin + 1) + 1);
+}
+
+// Without the program's name for it.
+std::string WhyItFailed(const fs::path& log) {
+  const std::string line = LastLine(log);
+  constexpr std::string_view kError = "rds: error: ";
+  return line.starts_with(kError) ? line.substr(kError.size()) : line;
 }
 
 // The command as the folder keeps it, with the program's digest: another build's results are no results of this one.
@@ -289,8 +297,7 @@ SuiteOutcome RunSuite(const std::vector<SuiteJob>& jobs) {
     }
     progress.Done();
     if (code != 0 && code != 3) {  // 3: nothing could be tracked, which is a result
-      outcome.failures.push_back(fmt::format("{}: {} (log: {})", job.title, LastLine(job.folder / "log.txt"),
-                                             (job.folder / "log.txt").string()));
+      outcome.failures.push_back({job.title, WhyItFailed(job.folder / "log.txt"), (job.folder / "log.txt").string()});
       continue;
     }
     ++outcome.run;

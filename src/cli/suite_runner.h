@@ -33,11 +33,17 @@ struct SuiteJob {
 [[nodiscard]] std::filesystem::path PictureFile(const std::filesystem::path& out, const SuiteSequence& sequence,
                                                 const SuiteConfiguration& configuration, int frame);
 
+struct SuiteFailure {
+  std::string title;
+  std::string why;
+  std::string log;  // file
+};
+
 struct SuiteOutcome {
-  std::size_t run = 0;                // now
-  std::size_t there = 0;              // from before
-  std::size_t left = 0;               // not run, as it was interrupted
-  std::vector<std::string> failures;  // what failed, and why; the rest was run all the same
+  std::size_t run = 0;                 // now
+  std::size_t there = 0;               // from before
+  std::size_t left = 0;                // not run, as it was interrupted
+  std::vector<SuiteFailure> failures;  // the rest was run all the same
 };
 
 // Runs what is missing, with a progress display. A job is there where its folder holds what the same command of the

@@ -2,11 +2,11 @@
 #include "cli/suite_tables.h"
 
 #include <spdlog/fmt/fmt.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <fstream>
 #include <optional>
-#include <thread>
 
 #include "eval/statistics.h"
 
@@ -253,7 +253,7 @@ std::string ThisMachine() {
       break;
     }
   }
-  return fmt::format("{}, {} cores", processor, std::max(1U, std::thread::hardware_concurrency()));
+  return fmt::format("{}, {} cores", processor, std::max(1L, sysconf(_SC_NPROCESSORS_ONLN)));
 }
 
 std::string HtmlText(std::string_view text) {
