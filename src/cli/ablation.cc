@@ -57,11 +57,8 @@ std::span<const AblationVariant> AblationVariants() {
                       {"tracking.min_observations=1"}},
       AblationVariant{
           "no edges", "keypoints where the depth jumps are trusted as much as others", {"orb.depth_edges=false"}},
-      AblationVariant{"no registration",
-                      "the depth image of a frame is not registered to that of its reference keyframe",
-                      {"tracking.register_depth=false"}},
       AblationVariant{"no motion prior",
-                      "a pose stands on its matches alone: neither velocity nor surfaces hold it",
+                      "a pose stands on its matches alone: its velocity does not hold it",
                       {"tracking.acceleration_m_s2=0"}},
       AblationVariant{
           "no association", "tracking does not look at moving probabilities", {"tracking.use_semantics=false"}},

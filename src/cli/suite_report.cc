@@ -29,6 +29,7 @@ body { font: 16px/1.45 Helvetica, Arial, sans-serif; color: #222; max-width: 60r
 h1 { font-size: 1.6rem; } h2 { font-size: 1.2rem; margin-top: 2.2rem; } h3 { font-size: 1rem; }
 .wide { overflow-x: auto; } table { border-collapse: collapse; font-size: .9rem; }
 th, td { border-bottom: 1px solid #ddd; padding: .35rem .7rem; text-align: left; vertical-align: top; white-space: nowrap; }
+td:first-child, td small { white-space: normal; } td:first-child { min-width: 8rem; }
 th { background: #f4f4f4; } small { color: #666; } svg, img { max-width: 100%; height: auto; }
 .problem { background: #fff0f0; border-left: 4px solid #c00; padding: .4rem .8rem; }
 </style>

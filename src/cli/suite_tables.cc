@@ -173,7 +173,7 @@ ReportTable TimeTable(const Suite& suite, const std::vector<MethodResults>& resu
       table.rows.push_back({{method.name, "published: " + method.source},
                             {method.hardware.empty() ? "-" : method.hardware, method.semantics},
                             {method.segmentation_ms.empty() ? "-" : method.segmentation_ms, ""},
-                            {method.other_ms.empty() ? "-" : method.other_ms, ""},
+                            {"-", method.other_ms},
                             {"", ""},
                             {"", ""},
                             {method.track_ms, ""}});

@@ -9,8 +9,6 @@ namespace rds::depth_ratio {
 
 inline constexpr float kSamePlace = 0.03F;     // where a later view shows a place
 inline constexpr float kMovingPlace = 0.06F;   // the same of what moves, from one frame to the next
-inline constexpr double kPlane = 0.04;         // a sample off a plane through its neighbors in another view
-inline constexpr float kBend = 0.02F;          // a plane off the sample in its middle
 inline constexpr double kNextSample = 0.03;    // neighboring samples (propagation.depth_step_ratio)
 inline constexpr double kStaticAgain = 0.02;   // a static surface seen again (semantic.free_space_match)
 inline constexpr double kLookedBeyond = 0.10;  // none was there: seen so far beyond (semantic.free_space_margin)

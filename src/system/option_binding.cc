@@ -20,10 +20,6 @@ void BindTracking(TrackerOptions& options, OptionTable& table) {
              "standard deviation of the camera's linear acceleration in the motion prior; 0 switches the prior off");
   table.Real("tracking.angular_acceleration_rad_s2", options.motion.angular_acceleration_rad_s2, 0.1, 1000,
              "standard deviation of its angular acceleration");
-  DepthRegistrationOptions& registration = options.registration;
-  table.Flag(
-      "tracking.register_depth", registration.enabled,
-      "first register a frame's depth image (with semantics: its static surfaces) to that of the reference keyframe");
   AssociationOptions& association = options.association;
   table.Flag("tracking.use_semantics", association.use_semantics,
              "let moving probabilities select the matches (Algorithm 2 of the paper)");
@@ -43,8 +39,6 @@ void BindPropagation(PropagationOptions& options, OptionTable& table) {
 }
 
 void BindPolicy(KeyframePolicyOptions& options, OptionTable& table) {
-  table.Choice("keyframe.rule", options.rule, {{"orb_slam3", KeyframeRule::kOrbSlam3}, {"paper", KeyframeRule::kPaper}},
-               "rule by which a frame becomes a keyframe");
   table.Int("keyframe.max_frames", options.max_frames, 1, 10000,
             "a keyframe is made after this many frames at the latest");
   table.Int("keyframe.min_frames", options.min_frames, 0, 10000,

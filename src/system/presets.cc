@@ -21,7 +21,6 @@ void ApplyPreset(Options& options, std::string_view name) {
   tracking.association.unknown = UnknownPoints::kPaper;
   tracking.association.min_observations = 1;
   tracking.motion.acceleration_m_s2 = 0;
-  tracking.registration.enabled = false;
   options.orb.depth_edges = false;
   options.propagation.enabled = false;
   options.mapping.bundle.labeled_only = true;

@@ -4,12 +4,6 @@
 namespace rds {
 namespace {
 
-// Section II-A1 of the paper; "at least 50 points and under 90 % of the reference keyframe's".
-bool PaperRule(const KeyframeSituation& s, const KeyframePolicyOptions& o) {
-  return s.frames_since_keyframe >= o.paper_frames && s.frames_since_recovery >= o.paper_frames && s.mapping_idle &&
-         s.inliers >= o.paper_points && s.inliers < o.paper_ratio * s.reference_tracked_points;
-}
-
 // ORB-SLAM3's conditions for RGB-D, a reason of time or need and a view that has changed; and one of our own: in a
 // rapid turn all points are new, none of them confirmed, and what the reference keyframe shares with the view says it.
 bool OrbSlam3Rule(const KeyframeSituation& s, const KeyframePolicyOptions& o) {
@@ -37,7 +31,7 @@ bool WantsKeyframe(const KeyframeSituation& s, const KeyframePolicyOptions& o) {
       s.inliers > o.min_inliers) {
     return true;
   }
-  return o.rule == KeyframeRule::kPaper ? PaperRule(s, o) : OrbSlam3Rule(s, o);
+  return OrbSlam3Rule(s, o);
 }
 
 }  // namespace rds

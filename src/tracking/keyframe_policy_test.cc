@@ -91,23 +91,5 @@ TEST(KeyframePolicy, AnIdleSegmenterGetsAKeyframe) {
   EXPECT_FALSE(WantsKeyframe(s, options));
 }
 
-TEST(KeyframePolicy, ThePapersRuleNeedsAllItsConditions) {
-  KeyframePolicyOptions options;
-  options.rule = KeyframeRule::kPaper;
-  KeyframeSituation s = Calm();
-  s.frames_since_keyframe = 20;
-  s.inliers = 89;
-  EXPECT_TRUE(WantsKeyframe(s, options));
-  for (const auto& spoil :
-       {+[](KeyframeSituation& k) { k.frames_since_keyframe = 19; },
-        +[](KeyframeSituation& k) { k.frames_since_recovery = 19; },
-        +[](KeyframeSituation& k) { k.mapping_idle = false; }, +[](KeyframeSituation& k) { k.inliers = 49; },
-        +[](KeyframeSituation& k) { k.inliers = 90; }}) {
-    KeyframeSituation spoilt = s;
-    spoil(spoilt);
-    EXPECT_FALSE(WantsKeyframe(spoilt, options));
-  }
-}
-
 }  // namespace
 }  // namespace rds

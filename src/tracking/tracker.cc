@@ -9,7 +9,6 @@
 #include "base/error.h"
 #include "base/time.h"
 #include "place/explained_share.h"
-#include "tracking/depth_registration.h"
 
 namespace rds {
 namespace {
@@ -63,7 +62,7 @@ TrackOutcome Tracker::TrackInMap(const WorkerStatus& status) {
   if (frames_since_recovery_) {
     ++*frames_since_recovery_;
   }
-  const ExpectedPose expected = Predict(times);
+  const ExpectedPose expected = Predict();
   std::optional<PoseEstimate> coarse = CoarsePose(frame, expected);
   const bool prior_only = !coarse && expected.prior;
   if (prior_only) {  // a blurred picture, say, matches little that was just seen: the map may hold more
@@ -110,9 +109,7 @@ void Tracker::LookUp(std::shared_ptr<const PropagatedLabels> labels) {
   const Rigid3 expected =
       motion_.Predict(current_.timestamp_s - last_.timestamp_s).value_or(Rigid3{}) * last_.camera_from_world;
   const Rigid3 now_from_labels = expected * labels->camera_from_world.Inverse();
-  if (options_.registration.enabled) {
-    labels_.static_samples = StaticSamples(*labels, *current_.data, now_from_labels, kRegistrationStep);
-  }
+  labels_.static_samples = StaticSamples(*labels, *current_.data, now_from_labels, kExplainedStep);
   labels_.keypoints.emplace(std::move(labels), current_.data, now_from_labels, setup_.surface);
 }
 
@@ -130,24 +127,14 @@ void Tracker::Rebase() {
   uses_.Rebase(map_);
 }
 
-// Surfaces say where the camera is without knowing a point; with semantics only static ones do.
-ExpectedPose Tracker::Predict(StageTimes& times) const {
+ExpectedPose Tracker::Predict() const {
   const double seconds = current_.timestamp_s - last_.timestamp_s;
   const auto current_from_last = motion_.Predict(seconds);
   if (!current_from_last) {
     return {last_.camera_from_world, std::nullopt};
   }
-  const Stopwatch watch;
   ExpectedPose expected{*current_from_last * last_.camera_from_world, std::nullopt};
   expected.prior = motion_.Prior(expected.camera_from_world, seconds);
-  const LocalKeyframe* reference = map_->Find(last_.reference);
-  if (expected.prior && options_.registration.enabled && reference != nullptr &&
-      !(options_.association.use_semantics && labels_.static_samples.empty())) {
-    expected.prior = RegisterDepth(*current_.data, labels_.static_samples, *reference->data,
-                                   reference->camera_from_world, *expected.prior, options_.registration);
-    expected.camera_from_world = expected.prior->camera_from_world;
-  }
-  times.pose_ms += watch.Milliseconds();
   return expected;
 }
 

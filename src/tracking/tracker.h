@@ -95,7 +95,7 @@ class Tracker {
   // What propagated labels say of a frame.
   struct FrameLabels {
     std::optional<KeypointProbabilities> keypoints;  // none without labels
-    std::vector<std::uint8_t> static_samples;        // of its depth grid, those to be registered; empty without labels
+    std::vector<std::uint8_t> static_samples;        // of its depth grid, those that keep still; empty without labels
   };
 
   TrackOutcome Start();
@@ -104,7 +104,7 @@ class Tracker {
   void LookUp(std::shared_ptr<const PropagatedLabels> labels);
   // The last frame as the new snapshot has it: the reference keyframe may have been corrected since, points fused.
   void Rebase();
-  [[nodiscard]] ExpectedPose Predict(StageTimes& times) const;
+  [[nodiscard]] ExpectedPose Predict() const;
   [[nodiscard]] std::optional<PoseEstimate> CoarsePose(const FrameContext& frame, const ExpectedPose& expected) const;
   // The pose from all points of the local map, `window_px` searched around each.
   [[nodiscard]] PoseEstimate TrackLocalMap(const FrameContext& frame, const PoseEstimate& coarse, double window_px);

@@ -32,27 +32,15 @@ struct MotionOptions {
   double angular_acceleration_rad_s2 = 9;
 };
 
-// Registration of depth images, which predicts a pose before anything is matched.
-struct DepthRegistrationOptions {
-  bool enabled = true;
-  double weight = 0.04;  // of each sample: the errors of neighbors are correlated, and so are those of a depth image
-};
-
-// The rule by which a frame becomes a keyframe.
-enum class KeyframeRule : std::uint8_t { kOrbSlam3, kPaper };
-
+// When a frame becomes a keyframe: ORB-SLAM3's rule, which the paper has, too.
 struct KeyframePolicyOptions {
-  KeyframeRule rule = KeyframeRule::kOrbSlam3;  // or the paper's (section II-A1)
-  int max_frames = 30;                          // orb_slam3: a keyframe at the latest after so many frames
+  int max_frames = 30;          // a keyframe at the latest after so many frames
   int min_frames = 6;           // none sooner than so many frames after the last, unless the view changes fast
   double tracked_ratio = 0.95;  // of the reference keyframe's points: below this the view is new
   double shared_ratio = 0.5;    // of all its points: below this a keyframe is wanted even while mapping is busy
   int depth_tracked = 100;      // fewer keypoints with depth tracked than this ...
   int depth_untracked = 70;     // ... while more than this could be: a keyframe is wanted
   int min_inliers = 15;
-  int paper_frames = 20;  // paper: frames since the last keyframe or recovery
-  int paper_points = 50;
-  double paper_ratio = 0.9;
   int semantic_frames = 8;  // with semantics: a keyframe for an idle segmenter, at most so often; 0 = never
 };
 
@@ -71,7 +59,6 @@ struct TrackerOptions {
   int recovery_keyframes = 10;    // nearest keyframes that are tried
   AssociationOptions association;
   MotionOptions motion;
-  DepthRegistrationOptions registration;
   KeyframePolicyOptions policy;
 };
 

@@ -28,7 +28,6 @@ struct Scene {
   std::uint32_t frames = 0;
 
   explicit Scene(const TrackerOptions& wanted = {}) : options(wanted) {
-    options.registration.enabled = false;  // there is no depth image
     tracker = std::make_unique<Tracker>(options, TrackerSetup{}, map.probabilities());
   }
   TrackOutcome Track(const PointWorld::View& view) {
