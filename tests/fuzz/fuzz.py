@@ -23,9 +23,11 @@ import shutil
 import struct
 import subprocess
 import sys
+import tarfile
 import tempfile
 import threading
 import time
+import zipfile
 import zlib
 
 TOOLS = pathlib.Path(__file__).resolve().parents[2] / "build" / "venv" / "bin" / "python"
@@ -99,7 +101,41 @@ CAMERAS = [CAMERA, CAMERA.replace(b"distortion: [0.26, -0.95, -0.005, 0.002, 1.1
            b"distortion_coefficients:\n  data: [0.1, 0.0, 0.0, 0.0, 0.0]\ndepth_scale: 1000\n"]
 OPTIONS = [b"orb:\n  features: 900\n  levels: 6\ntracking:\n  unknown: gated\n  tau: 20\nsemantic: {per_round: 2}\n"]
 MODELS = [b"input: {layout: NCHW, size: [24, 32], color: RGB, mean: [0, 0, 0], scale: [1, 1, 1]}\n"
-          b"output:\n  tensor: scores\n  kind: logits\n  stride: [8, 8]\n  labels: [15]\n  threshold: 0.4\n"]
+          b"output:\n  tensor: scores\n  kind: logits\n  stride: [8, 8]\n  labels: [15]\n  threshold: 0.4\n",
+          b"output:\n  kind: instances\n  labels: [1]\ninstances:\n  boxes: b\n  order: yxyx\n  relative: true\n  score: 0.7\n"]
+
+
+def message(json_text, binary=b""):
+    return b"%08d" % len(json_text) + json_text + binary
+
+
+MESSAGES = [message(b'{"inputs":[{"name":"image","datatype":"UINT8","shape":[1,2,2,3],"parameters":{"binary_data_size":12}}]}',
+                    bytes(range(12))),
+            message(b'{"inputs":[{"name":"image","datatype":"BYTES","shape":[2],"parameters":{"binary_data_size":11}}]}',
+                    b"\2\0\0\0ab\1\0\0\0c"),
+            message(b'{"id":"1","inputs":[{"name":"x","datatype":"FP32","shape":[2,2],"data":[[1,2],[3,4.5]]},'
+                    b'{"name":"y","datatype":"BYTES","shape":[1],"data":["w"]}]}')]
+
+
+def archives():
+    """A .tgz and a .zip of two small files, and a .tar, whose names a mutation reaches."""
+    packed = []
+    for mode in ("w:gz", "w"):
+        file = io.BytesIO()
+        with tarfile.open(fileobj=file, mode=mode) as archive:
+            for name in ("sequence/rgb.txt", "sequence/rgb/1.png"):
+                entry = tarfile.TarInfo(name)
+                entry.size = 5
+                archive.addfile(entry, io.BytesIO(b"12345"))
+        packed.append(file.getvalue())
+    file = io.BytesIO()
+    with zipfile.ZipFile(file, "w") as archive:
+        archive.writestr("sequence/rgb.txt", b"12345")
+        archive.writestr("sequence/rgb/1.png", b"12345")
+    return packed + [file.getvalue()]
+
+
+ARCHIVES = archives()
 TRUTH = "".join(f"{i / 10:.3f} {i / 50:.4f} {(i % 7) / 30:.4f} {(i % 5) / 40:.4f} 0 0 0 1\n" for i in range(40)).encode()
 TRAJECTORIES = [b"# timestamp tx ty tz qx qy qz qw\n" + TRUTH,
                 b"#timestamp [ns],p_x [m],p_y [m],p_z [m],q_w [],q_x [],q_y [],q_z []\n" +
@@ -306,6 +342,19 @@ class Fuzzer:
         (folder / "net.onnx").write_bytes(b"weights")
         return self.text(random_, folder, "model", MODELS, "net.onnx.yaml")
 
+    def bytes_of(self, random_, folder, kind, goods):
+        (folder / "input").write_bytes(mutate_bytes(random_, random_.choice(goods)))
+        answer = self.driver().ask(kind, folder / "input")
+        return ("read" if answer.startswith("ok") else "refused"), None
+
+    def inference(self, random_, folder):
+        return self.bytes_of(random_, folder, "inference", MESSAGES)
+
+    def archive(self, random_, folder):
+        outcome, problem = self.bytes_of(random_, folder, "archive", ARCHIVES)
+        strangers = [path.name for path in folder.iterdir() if path.name not in ("input", "input.folder")]
+        return outcome, f"unpacked outside its folder: {strangers}" if strangers else problem
+
     def trajectory(self, random_, folder):
         (folder / "truth.txt").write_bytes(TRUTH)
         return self.text(random_, folder, "trajectory", TRAJECTORIES)
@@ -394,7 +443,7 @@ class Fuzzer:
         return outcome, problem
 
     KINDS = {"color": 26, "depth": 14, "mask": 6, "camera": 10, "options": 6, "model": 6, "trajectory": 10, "sequence": 8,
-             "run": 7, "arguments": 7}
+             "run": 7, "arguments": 7, "inference": 8, "archive": 4}
 
     def one(self, number):
         random_ = random.Random(f"{self.arguments.seed} {number}")
@@ -408,7 +457,8 @@ class Fuzzer:
             elif kind in ("camera", "options"):
                 outcome, problem = self.text(random_, folder, kind, CAMERAS if kind == "camera" else OPTIONS)
             else:
-                outcome, problem = {"model": self.model, "trajectory": self.trajectory, "sequence": self.sequence,
+                outcome, problem = {"model": self.model, "inference": self.inference, "archive": self.archive,
+                                    "trajectory": self.trajectory, "sequence": self.sequence,
                                     "run": self.run, "arguments": self.arguments_of_commands}[kind](random_, folder)
         except RuntimeError as error:
             outcome, problem = "broken", str(error)

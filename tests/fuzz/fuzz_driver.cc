@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads what people give the program, one input after the other, for the fuzzer beside it: lines "KIND PATH" on standard
-// input, and a line "ok ..." or "error ..." for each on standard output. Anything but InputError ends it.
+// Reads what people give the program, one input after the other, for the fuzzer beside it: lines "KIND PATH" on
+// standard input, and a line "ok ..." or "error ..." for each on standard output. Anything but InputError ends it.
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -13,14 +13,17 @@
 #include <string>
 
 #include "base/error.h"
+#include "base/file.h"
 #include "base/strict_yaml.h"
 #include "eval/evaluation.h"
 #include "eval/plot.h"
+#include "io/archive.h"
 #include "io/camera_file.h"
 #include "io/dataset.h"
 #include "io/image_io.h"
 #include "io/options_yaml.h"
 #include "io/trajectory_io.h"
+#include "segmentation/inference_protocol.h"
 #include "segmentation/segmentation_model.h"
 #include "system/slam.h"
 
@@ -89,11 +92,37 @@ std::string Sequence(const fs::path& path) {  // a folder
   return std::to_string(dataset.size());
 }
 
+// Eight digits, the length of the JSON, before a message's body.
+std::string Inference(const fs::path& path) {
+  const std::string text = ReadFile(path);
+  const std::string digits = text.substr(0, std::min<std::size_t>(8, text.size()));
+  const InferenceMessage message =
+      DecodeInference(std::string_view(text).substr(digits.size()), ParseLength(digits), "inputs");
+  std::size_t numbers = 0;
+  for (const InferenceTensor& tensor : message.tensors) {
+    numbers += tensor.datatype == "BYTES" ? StringsOf(tensor).size() : FloatsOf(tensor).size();
+  }
+  return std::to_string(numbers);
+}
+
+// What is unpacked lies below PATH.folder; the fuzzer looks whether anything lies elsewhere.
+std::string Archive(const fs::path& path) {
+  Unpack(path, path.string() + ".folder", 1 << 20, {});
+  return "";
+}
+
 int Run() {
   spdlog::set_level(spdlog::level::off);
-  const std::map<std::string, std::string (*)(const fs::path&)> kinds = {
-      {"color", Color},     {"depth", Depth},           {"mask", Mask},        {"camera", Camera}, {"options", OptionsFile},
-      {"model", Model}, {"trajectory", TrajectoryFile}, {"sequence", Sequence}};
+  const std::map<std::string, std::string (*)(const fs::path&)> kinds = {{"color", Color},
+                                                                         {"depth", Depth},
+                                                                         {"mask", Mask},
+                                                                         {"camera", Camera},
+                                                                         {"options", OptionsFile},
+                                                                         {"model", Model},
+                                                                         {"trajectory", TrajectoryFile},
+                                                                         {"sequence", Sequence},
+                                                                         {"inference", Inference},
+                                                                         {"archive", Archive}};
   std::string kind;
   std::string path;
   while (std::cin >> kind && std::getline(std::cin >> std::ws, path)) {
