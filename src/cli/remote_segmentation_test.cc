@@ -59,8 +59,8 @@ SegmentationInput Picture(int width, int height, int blue_columns) {
 
 // A server that runs the service at a port.
 struct Server {
-  explicit Server(std::uint16_t port = 0, int most_waiting = 4)
-      : service("blue", std::make_unique<BlueSegmenter>(), most_waiting) {
+  explicit Server(std::uint16_t port = 0, const std::string& name = "blue")
+      : service(name, std::make_unique<BlueSegmenter>(), 4) {
     HttpServerOptions options;
     options.port = port;
     options.largest_request_bytes = 200'000;
@@ -102,6 +102,15 @@ TEST(RemoteSegmentation, GivesTheMasksOfTheServersOwnSegmenter) {
   EXPECT_GT(mask.At(3, 20), kUnsurePixel);
   EXPECT_EQ(mask.At(50, 20), kStaticPixel);
   EXPECT_THAT(remote->Name(), HasSubstr("/v2/models/blue"));
+}
+
+// Whatever is built in for networks of that name, which may be of a fixed size, is the server's business.
+TEST(RemoteSegmentation, OurOwnServerTakesImagesAsTheyAre) {
+  const Server server(0, "deeplabv3_mnv2_pascal_quant");
+  const auto remote = Remote(OptionsFor(server.Address() + "/v2/models/deeplabv3_mnv2_pascal_quant"));
+  const std::vector<SegmentationInput> inputs = {Picture(64, 48, 10)};
+  BlueSegmenter local;
+  EXPECT_EQ(remote->Segment(inputs)[0].data, local.Segment(inputs)[0].data);
 }
 
 TEST(RemoteSegmentation, FindsAServerThatComesBack) {

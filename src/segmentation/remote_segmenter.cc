@@ -151,8 +151,8 @@ class RemoteSegmenter final : public Segmenter {
       throw RefusedError(fmt::format("{}: status {}: {}", url_, response.status, ErrorOf(response)));
     }
     ModelInfo info = ReadModelInfo(url_, response.body);
-    form_ = FormOf(info, model_);
     is_own_ = info.platform == kOwnPlatform;
+    form_ = FormOf(info, is_own_ ? SegmentationModel{} : model_);  // our own server takes images as they are
     if (is_own_ && dynamic_classes_ != kDefaultDynamicClass) {
       throw RefusedError("option semantic.dynamic_classes: the server decides; give it to `rds serve`");
     }
@@ -238,7 +238,7 @@ class RemoteSegmenter final : public Segmenter {
                                                   : std::array{std::int64_t{3}, height, width};
     tensor.shape.insert(tensor.shape.end(), shape.begin(), shape.end());
     for (const SegmentationInput& input : inputs) {
-      tensor.data += AsPixels(*input.image, form_, model_);
+      tensor.data += AsPixels(*input.image, form_, is_own_ ? SegmentationModel{} : model_);
     }
     return tensor;
   }
