@@ -125,8 +125,8 @@ void WriteSuiteReport(const Suite& suite, const std::vector<MethodResults>& resu
                       const std::vector<std::string>& problems, const fs::path& out) {
   PrepareOutputFolder(out / "figures");
   std::vector<OutputFile> files;
-  const std::string about =
-      fmt::format("rds {}, {}; {} repetitions of what is not in lockstep.", kVersion, ThisMachine(), suite.repetitions);
+  const std::string about = fmt::format("rds {}, {}; repetitions of what is not in lockstep: {}.", kVersion,
+                                        ThisMachine(), suite.repetitions);
   std::string markdown = fmt::format("# {}\n\n{}\n\n", suite.title, about);
   std::string html = fmt::format(
       "<!doctype html>\n<html lang=\"en\"><head><title>{0}</title>\n{1}</head><body>\n<h1>{0}</h1>\n"

@@ -28,8 +28,7 @@ SurfaceAgreement CompareSurfaces(const FrameData& frame, std::span<const std::ui
       return;
     }
     const float tolerance_m =
-        std::max(depth_ratio::kSamePlace * place.depth_m,
-                 static_cast<float>(kSigmas * view.camera().depth_noise.Sigma_m(static_cast<double>(place.depth_m))));
+        SurfaceTolerance_m(view.camera().depth_noise, place.depth_m, depth_ratio::kSamePlace, kSigmas);
     bool at_place = false;  // at an edge either surface will do
     bool beyond = true;
     seen.ForEachAround(static_cast<int>(place.column), static_cast<int>(place.row), [&](int x, int y) {

@@ -14,6 +14,10 @@ namespace rds {
 namespace {
 
 constexpr double kMostShare = 0.4;  // of the view that can be newly occupied
+// Standard deviations of the depth that say nothing: of a static surface seen again, and of what was seen beyond a
+// place.
+constexpr double kAgainSigmas = 1;
+constexpr double kBeyondSigmas = 3;
 constexpr int kLeastNeighbors = 4;  // newly occupied, the sample itself among them, in a block of 3 x 3
 
 std::vector<float> LeastDepths(const DepthGrid& grid) {
@@ -58,8 +62,9 @@ void JudgeByView(const FrameData& frame, const Rigid3& view_from_now, const Dept
   const DepthGrid& then = view.data->depth_grid();
   Check(view.least_depth_m.size() == then.size(), "a least depth for each sample of a view");
   const GridWarp warp(frame.camera(), view_from_now);
-  const auto farther = static_cast<float>(1 + options.margin_ratio);
-  const auto same = static_cast<float>(options.match_ratio);
+  const auto margin = static_cast<float>(options.margin_ratio);
+  const auto match = static_cast<float>(options.match_ratio);
+  const DepthNoiseModel& noise = view.data->camera().depth_noise;
   grid.ForEach([&](int column, int row) {
     const std::size_t i = grid.Index(column, row);
     if (grid[i] <= 0 || judged[i] != KeypointLabel::kNone) {
@@ -72,10 +77,10 @@ void JudgeByView(const FrameData& frame, const Rigid3& view_from_now, const Dept
     }
     const float looked_m = view.least_depth_m[*place];
     seen[i] |= looked_m > 0 ? 1 : 0;
-    if (looked_m > there.depth_m * farther) {
+    if (looked_m > there.depth_m + SurfaceTolerance_m(noise, there.depth_m, margin, kBeyondSigmas)) {
       judged[i] = KeypointLabel::kDynamic;
     } else if (!view.labels.empty() && view.labels[*place] == KeypointLabel::kStatic &&
-               SameSurface(there.depth_m, then[*place], same)) {
+               std::abs(then[*place] - there.depth_m) < SurfaceTolerance_m(noise, there.depth_m, match, kAgainSigmas)) {
       judged[i] = KeypointLabel::kStatic;
     }
   });

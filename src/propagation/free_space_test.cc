@@ -57,6 +57,25 @@ TEST(CheckFreeSpace, AStaticSurfaceSeenAgainIsStaticAndNothingElseIs) {
   EXPECT_EQ(At(judged, 60, 30), KeypointLabel::kNone);     // no word of a label that may be old
 }
 
+// What a sensor does not know says nothing: a stereo camera, say, whose noise is a tenth of the depth here.
+TEST(CheckFreeSpace, NoiseOfTheSensorMovesNothing) {
+  const std::vector<KeypointLabel> labels(static_cast<std::size_t>(kBoardColumns * kBoardRows), KeypointLabel::kStatic);
+  Rigid3 back;  // the same picture a step farther away: the wall has come along, or was measured wrongly
+  back.translation = {0, 0, 0.08 * static_cast<double>(kWallDepth)};
+  for (const bool is_noisy : {false, true}) {
+    PinholeCamera camera = TestCamera();
+    if (is_noisy) {
+      camera.depth_noise = {0, 0.1 / static_cast<double>(kWallDepth)};
+    }
+    const auto see = [&camera](const Board& board) { return SeeBoard(board, {}, 2.6F, camera); };
+    const std::vector<DepthView> views{MakeView(FrameId{0}, see({}), {}, labels)};
+    EXPECT_EQ(At(CheckFreeSpace(*see({}), back, views, {}), 40, 30),
+              is_noisy ? KeypointLabel::kStatic : KeypointLabel::kNone);
+    EXPECT_EQ(At(CheckFreeSpace(*see({35, 45}), {}, views, {}), 40, 30),  // a board, 0.4 m before the wall
+              is_noisy ? KeypointLabel::kNone : KeypointLabel::kDynamic);
+  }
+}
+
 TEST(CheckFreeSpace, WhatStandsJustBeforeAStaticSurfaceIsNotIt) {
   const std::vector<KeypointLabel> labels(static_cast<std::size_t>(kBoardColumns * kBoardRows), KeypointLabel::kStatic);
   const std::vector<DepthView> views{View({}, labels)};

@@ -25,9 +25,10 @@ struct Board {
   }
 };
 
-// A frame of TestCamera that sees a wall at 3 m and the board before it.
+// A frame of TestCamera (or one like it) that sees a wall at 3 m and the board before it.
 inline std::shared_ptr<const FrameData> SeeBoard(const Board& board, std::vector<Keypoint> keypoints = {},
-                                                 float board_depth_m = kBoardDepth) {
+                                                 float board_depth_m = kBoardDepth,
+                                                 const PinholeCamera& camera = TestCamera()) {
   std::vector<float> depth_m;
   for (int row = 0; row < kBoardRows; ++row) {
     for (int column = 0; column < kBoardColumns; ++column) {
@@ -35,7 +36,7 @@ inline std::shared_ptr<const FrameData> SeeBoard(const Board& board, std::vector
     }
   }
   std::vector<Descriptor> descriptors(keypoints.size());
-  return std::make_shared<const FrameData>(TestCamera(), std::move(keypoints), std::move(descriptors),
+  return std::make_shared<const FrameData>(camera, std::move(keypoints), std::move(descriptors),
                                            DepthGrid(kBoardColumns, kBoardRows, std::move(depth_m)));
 }
 
