@@ -86,6 +86,13 @@ std::optional<TrackOutcome> FrontEnd::BeginAnew(const IncomingFrame& frame, Fram
   return outcome;
 }
 
+bool FrontEnd::IsLabeled(FrameId frame) const {
+  return lanes_.backend.Read([&](const rds::Map& map) {
+    const Keyframe* const keyframe = map.FindByFrame(frame);
+    return keyframe != nullptr && keyframe->IsLabeled();
+  });
+}
+
 void FrontEnd::AskForLabel(const IncomingFrame& frame, bool again) {
   executor_.Label({frame.id, frame.timestamp_s, frame.image, frame.data, false, again});
 }

@@ -58,6 +58,8 @@ class FrontEnd {
   [[nodiscard]] Tangent6 Velocity() const { return tracker_->Velocity(); }
   [[nodiscard]] std::optional<double> LeftOfReference() const { return tracker_->LeftOfReference(); }
   [[nodiscard]] std::optional<SemanticLane::Answer> NewestAnswer() const { return lanes_.semantics.NewestAnswer(); }
+  // Whether the keyframe of a frame is labeled in the map, be its answer there yet or not. Takes the map's lock.
+  [[nodiscard]] bool IsLabeled(FrameId frame) const;
   [[nodiscard]] const TrajectoryRecorder& trajectory() const { return trajectory_; }
   [[nodiscard]] std::shared_ptr<const LocalMap> CurrentLocalMap() const { return lanes_.backend.CurrentLocalMap(); }
 

@@ -98,7 +98,7 @@ FrameResult Slam::Impl::TrackFrame(const RgbdFrame& frame) {
   lanes_->semantics.SetCurrentFrame(result.frame);
   lanes_->loops.SetCurrentFrame(result.frame, frame.timestamp_s);
   executor_->BeginFrame(result.frame);
-  const bool found = front_end_.GoOnWhereFound();
+  const bool found = !startup_.WillTrackAgain(front_end_) && front_end_.GoOnWhereFound();
   if (!found) {
     startup_.TrackAgainIfLabeled(front_end_);
   }

@@ -25,6 +25,10 @@ bool Startup::HasUsableLabel(const FrontEnd& front_end) const {
   return answer && asked_.valid() && answer->frame == asked_ && answer->usable_keypoints >= front_end.LeastToBegin();
 }
 
+bool Startup::WillTrackAgain(const FrontEnd& front_end) const {
+  return waiting_ && !frames_.empty() && (HasUsableLabel(front_end) || front_end.IsLabeled(asked_));
+}
+
 void Startup::TrackAgainIfLabeled(FrontEnd& front_end) {
   if (!waiting_ || frames_.empty()) {
     return;
@@ -171,8 +175,9 @@ void Startup::Keep(const IncomingFrame& frame, const TrackOutcome& outcome, Fron
   const bool weak = frames_.size() > 1 && outcome.tracked && std::ssize(outcome.used) < kWeakMatches;
   weak_ = weak || !outcome.tracked;
   const int most = AwaitsBetter() ? most_frames_ + kMostVoid : most_frames_;
-  // If a label came while this frame was tracked, all are tracked again before the next one.
-  waiting_ = HasUsableLabel(front_end) || (!weak && waited_ < most);
+  // If a label came while this frame was tracked, all are tracked again before the next one. It takes points away
+  // before the answer says that it is there: what made the frame weak then is the label itself.
+  waiting_ = HasUsableLabel(front_end) || (waited_ < most && (!weak || front_end.IsLabeled(asked_)));
   lost_waiting_ = outcome.tracked ? 0 : lost_waiting_ + 1;
   if (waiting_ && AwaitsBetter() && lost_waiting_ >= kPatience && !HasUsableLabel(front_end)) {
     waiting_ = false;

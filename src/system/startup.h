@@ -28,6 +28,9 @@ class Startup {
 
   // Whether keyframes are held back for now.
   [[nodiscard]] bool HoldsKeyframes() const { return waiting_ && !frames_.empty(); }
+  // Whether a label has come with which the frames since are to be tracked again: a frame that it made lost is no
+  // reason to go elsewhere.
+  [[nodiscard]] bool WillTrackAgain(const FrontEnd& front_end) const;
   // Tracking goes on in a world that is known.
   void GoOnElsewhere();
   // Before each frame. If a label has come that frames wait for, they are tracked again. Takes as long as that.
