@@ -39,7 +39,6 @@ THREADS_ALLOWED = {
     "segmentation/openvino_segmenter.cc": "a back end guards its own runtime",
     "segmentation/remote_segmenter.cc": "waits before it asks a server again",
     "synth/synthetic_sequence.cc": "renders frames on all cores",
-    "io/http_server.cc": "a server's own threads",
     "cli/inference_service.cc": "one request at a time is segmented",
     "cli/inference_service.h": "one request at a time is segmented",
     "cli/playback.cc": "plays a recording at its recorded times",

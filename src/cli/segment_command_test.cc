@@ -14,6 +14,7 @@
 #include "cli/command.h"
 #include "io/image_io.h"
 #include "synth/synthetic_sequence.h"
+#include "testing/captured_output.h"
 #include "testing/temporary_folder.h"
 
 namespace rds {
@@ -43,17 +44,8 @@ class SegmentCommandTest : public ::testing::Test {
     CLI::App program;
     AddSegmentCommand(program);
     AddRunCommand(program);
-    ::testing::internal::CaptureStdout();
-    ::testing::internal::CaptureStderr();
-    try {
-      program.parse(std::vector<std::string>(words.rbegin(), words.rend()));  // CLI11 wants them last to first
-    } catch (...) {
-      ::testing::internal::GetCapturedStdout();
-      ::testing::internal::GetCapturedStderr();
-      throw;
-    }
-    ::testing::internal::GetCapturedStderr();
-    return ::testing::internal::GetCapturedStdout();
+    // CLI11 wants them last to first.
+    return OutputOf([&] { program.parse(std::vector<std::string>(words.rbegin(), words.rend())); });
   }
   [[nodiscard]] std::string Segment(std::vector<std::string> more = {}, const std::string& segmenter = "stored") const {
     std::vector<std::string> words = {"segment", sequence_.string(), "--out", out_.string(), "--segmenter", segmenter};

@@ -189,6 +189,12 @@ std::vector<PublishedMethod> ReadPublished(const fs::path& file) {
 
 }  // namespace
 
+Dataset OpenSequence(const SuiteSequence& sequence) {
+  DatasetOptions options;
+  options.frames = ParseFrameRange(sequence.frames);
+  return Dataset::Open(sequence.path, options);
+}
+
 std::string AsFileName(const std::string& name) {
   std::string text;
   for (const char c : name) {

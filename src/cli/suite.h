@@ -8,13 +8,15 @@
 #include <string>
 #include <vector>
 
+#include "io/dataset.h"
+
 namespace rds {
 
 struct SuiteSequence {
   std::string name;            // in tables: "fr3/w/xyz"
   std::filesystem::path path;  // absolute, or from the working folder
   std::string camera;          // as --camera takes it; "" = as the folder says
-  std::string frames;          // "A:B"; "" = all
+  std::string frames = ":";    // as --frames takes it
 };
 
 struct SuiteConfiguration {
@@ -67,6 +69,9 @@ struct Suite {
 // Reads SUITE.yaml, as evaluation/README.md tells. Paths in it start from `data`, or where that is empty from the
 // suite's own folder. InputError naming file and line for what is no suite: unknown keys, doubled names, no sequence.
 [[nodiscard]] Suite ReadSuite(const std::filesystem::path& file, const std::filesystem::path& data);
+
+// Opens what a suite calls a sequence. InputError as Dataset::Open.
+[[nodiscard]] Dataset OpenSequence(const SuiteSequence& sequence);
 
 // A name as a name of a file.
 [[nodiscard]] std::string AsFileName(const std::string& name);

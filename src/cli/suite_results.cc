@@ -11,7 +11,6 @@
 #include "base/file.h"
 #include "cli/accuracy.h"
 #include "cli/suite_runner.h"
-#include "io/dataset.h"
 #include "io/text_table.h"
 #include "io/trajectory_io.h"
 
@@ -38,9 +37,7 @@ struct Truth {
 };
 
 Truth TruthOf(const SuiteSequence& sequence) {
-  DatasetOptions options;
-  options.frames = ParseFrameRange(sequence.frames.empty() ? ":" : sequence.frames);
-  const Dataset dataset = Dataset::Open(sequence.path, options);
+  const Dataset dataset = OpenSequence(sequence);
   return {dataset.ground_truth(), dataset.size()};
 }
 

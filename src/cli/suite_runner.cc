@@ -19,6 +19,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/sha256.h"
+#include "base/text.h"
 #include "base/time.h"
 #include "cli/interrupt.h"
 #include "cli/progress_line.h"
@@ -39,14 +40,11 @@ void Append(std::vector<std::string>& words, std::initializer_list<std::string> 
   words.insert(words.end(), more);
 }
 
-// What sequence and camera are.
-std::vector<std::string> SequenceWords(const SuiteSequence& sequence, const std::string& frames) {
-  std::vector<std::string> words = {sequence.path.string()};
+// A command on some frames of a sequence.
+std::vector<std::string> SequenceWords(const char* command, const SuiteSequence& sequence, const std::string& frames) {
+  std::vector<std::string> words = {command, sequence.path.string(), "--frames", frames};
   if (!sequence.camera.empty()) {
     Append(words, {"--camera", sequence.camera});
-  }
-  if (!frames.empty()) {
-    Append(words, {"--frames", frames});
   }
   return words;
 }
@@ -57,10 +55,7 @@ fs::path MasksFolder(const fs::path& out, const SuiteSequence& sequence, const s
 
 std::vector<std::string> RunWords(const fs::path& out, const SuiteSequence& sequence,
                                   const SuiteConfiguration& configuration, const std::string& frames) {
-  std::vector<std::string> words = {"run"};
-  for (std::string& word : SequenceWords(sequence, frames)) {
-    words.push_back(std::move(word));
-  }
+  std::vector<std::string> words = SequenceWords("run", sequence, frames);
   Append(words, {"--segmenter", configuration.segmenter});
   if (!configuration.model.empty()) {
     Append(words, {"--model", configuration.model});
@@ -84,8 +79,35 @@ std::vector<std::string> RunWords(const fs::path& out, const SuiteSequence& sequ
 
 // Frame N of the sequence's range, counted in all of the sequence.
 std::string FramesUpTo(const SuiteSequence& sequence, int frame) {
-  const FrameRange range = ParseFrameRange(sequence.frames.empty() ? ":" : sequence.frames);
+  const FrameRange range = ParseFrameRange(sequence.frames);
   return fmt::format("{}:{}", range.begin, range.begin + static_cast<std::size_t>(frame) + 1);
+}
+
+SuiteJob MasksJob(const fs::path& out, const SuiteSequence& sequence, const std::string& model) {
+  SuiteJob job{JobKind::kMasks, fmt::format("{}, masks by {}", sequence.name, model), MasksFolder(out, sequence, model),
+               SequenceWords("segment", sequence, sequence.frames), 0};
+  Append(job.arguments, {"--model", model, "--out", job.folder.string()});
+  return job;
+}
+
+SuiteJob RunJob(const fs::path& out, const SuiteSequence& sequence, const SuiteConfiguration& configuration,
+                int repetition, int repetitions, double recorded_s) {
+  SuiteJob job{
+      JobKind::kRun, fmt::format("{}, {}, {} of {}", sequence.name, configuration.name, repetition + 1, repetitions),
+      RunFolder(out, sequence, configuration, repetition), RunWords(out, sequence, configuration, sequence.frames),
+      configuration.lockstep ? 0 : recorded_s / configuration.rate};
+  Append(job.arguments, {"--out", job.folder.string()});
+  return job;
+}
+
+SuiteJob PictureJob(const fs::path& out, const SuiteSequence& sequence, const SuiteConfiguration& configuration,
+                    int frame) {
+  const fs::path file = PictureFile(out, sequence, configuration, frame);
+  SuiteJob job{JobKind::kPicture, fmt::format("{}, {}, frame {}", sequence.name, configuration.name, frame),
+               file.parent_path(), RunWords(out, sequence, configuration, FramesUpTo(sequence, frame)), 0};
+  Append(job.arguments,
+         {"--out", job.folder.string(), "--still", file.string(), "--still-frame", std::to_string(frame)});
+  return job;
 }
 
 // Ends the process it is given when an interrupt comes, and waits for it.
@@ -123,27 +145,13 @@ pid_t Start(const std::vector<std::string>& arguments, const fs::path& log) {
   return process;
 }
 
-std::string LastLine(const fs::path& log) {
-  std::string text;
-  try {
-    text = ReadFile(log);
-  } catch (const InputError&) {
-    return "";
-  }
-  const std::size_t end = text.find_last_not_of(" \n");
-  if (end == std::string::npos) {
-    return "";
-  }
-  const std::size_t begin = text.rfind('\n', end);
-  return text.substr(begin == std::string::npos ? 0 : begin + 1,
-                     end - (begin == std::string::npos ? 0 : begin + 1) + 1);
-}
-
-// Without the program's name for it.
+// The last line of a log, without the program's name for errors.
 std::string WhyItFailed(const fs::path& log) {
-  const std::string line = LastLine(log);
+  std::error_code error;
+  const std::string text = fs::is_regular_file(log, error) ? ReadFile(log) : "";
   constexpr std::string_view kError = "rds: error: ";
-  return line.starts_with(kError) ? line.substr(kError.size()) : line;
+  const std::string_view line = LastLine(text);
+  return std::string(line.starts_with(kError) ? line.substr(kError.size()) : line);
 }
 
 // The command as the folder keeps it, with the program's digest: another build's results are no results of this one.
@@ -221,40 +229,22 @@ std::vector<SuiteJob> PlanSuite(const Suite& suite, const fs::path& out) {
   std::vector<SuiteJob> runs;
   std::vector<SuiteJob> pictures;
   for (const SuiteSequence& sequence : suite.sequences) {
-    DatasetOptions options;
-    options.frames = ParseFrameRange(sequence.frames.empty() ? ":" : sequence.frames);
-    const Dataset dataset = Dataset::Open(sequence.path, options);
+    const Dataset dataset = OpenSequence(sequence);
     const double recorded_s = dataset.frames().back().timestamp_s - dataset.frames().front().timestamp_s;
     for (const SuiteConfiguration& configuration : suite.configurations) {
       if (!configuration.masks_by.empty()) {
-        const fs::path folder = MasksFolder(out, sequence, configuration.masks_by);
-        if (std::ranges::none_of(masks, [&](const SuiteJob& job) { return job.folder == folder; })) {
-          std::vector<std::string> words = {"segment"};
-          for (std::string& word : SequenceWords(sequence, sequence.frames)) {
-            words.push_back(std::move(word));
-          }
-          Append(words, {"--model", configuration.masks_by, "--out", folder.string()});
-          masks.push_back({JobKind::kMasks, fmt::format("{}, masks by {}", sequence.name, configuration.masks_by),
-                           folder, words, 0});
+        SuiteJob job = MasksJob(out, sequence, configuration.masks_by);
+        if (std::ranges::find(masks, job.folder, &SuiteJob::folder) == masks.end()) {
+          masks.push_back(std::move(job));
         }
       }
-      for (int i = 0; i < (configuration.lockstep ? 1 : suite.repetitions); ++i) {  // lockstep repeats itself
-        const fs::path folder = RunFolder(out, sequence, configuration, i);
-        std::vector<std::string> words = RunWords(out, sequence, configuration, sequence.frames);
-        Append(words, {"--out", folder.string()});
-        runs.push_back({JobKind::kRun,
-                        fmt::format("{}, {}, {} of {}", sequence.name, configuration.name, i + 1, suite.repetitions),
-                        folder, words, configuration.lockstep ? 0 : recorded_s / configuration.rate});
+      const int repetitions = configuration.lockstep ? 1 : suite.repetitions;  // lockstep repeats itself
+      for (int i = 0; i < repetitions; ++i) {
+        runs.push_back(RunJob(out, sequence, configuration, i, repetitions, recorded_s));
       }
       for (const int frame : suite.pictures) {
         if (static_cast<std::size_t>(frame) < dataset.size()) {
-          const fs::path file = PictureFile(out, sequence, configuration, frame);
-          std::vector<std::string> words = RunWords(out, sequence, configuration, FramesUpTo(sequence, frame));
-          Append(words, {"--out", file.parent_path().string(), "--still", file.string(), "--still-frame",
-                         std::to_string(frame)});
-          pictures.push_back({JobKind::kPicture,
-                              fmt::format("{}, {}, frame {}", sequence.name, configuration.name, frame),
-                              file.parent_path(), words, 0});
+          pictures.push_back(PictureJob(out, sequence, configuration, frame));
         }
       }
     }

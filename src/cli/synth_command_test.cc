@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "cli/command.h"
+#include "testing/captured_output.h"
 #include "testing/temporary_folder.h"
 
 namespace rds {
@@ -21,17 +22,8 @@ std::string Synth(std::vector<std::string> words) {
   words.insert(words.begin(), "synth");
   CLI::App program;
   AddSynthCommand(program);
-  ::testing::internal::CaptureStdout();
-  ::testing::internal::CaptureStderr();
-  try {
-    program.parse(std::vector<std::string>(words.rbegin(), words.rend()));  // CLI11 wants them last to first
-  } catch (...) {
-    ::testing::internal::GetCapturedStdout();
-    ::testing::internal::GetCapturedStderr();
-    throw;
-  }
-  ::testing::internal::GetCapturedStderr();
-  return ::testing::internal::GetCapturedStdout();
+  // CLI11 wants them last to first.
+  return OutputOf([&] { program.parse(std::vector<std::string>(words.rbegin(), words.rend())); });
 }
 
 TEST(SynthCommand, WritesASequenceAndSaysWhatToDoNext) {

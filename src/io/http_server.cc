@@ -8,19 +8,21 @@
 #include <boost/asio/bind_executor.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <boost/asio/strand.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <cctype>
 #include <chrono>
 #include <exception>
+#include <memory>
 #include <optional>
-#include <thread>
 #include <utility>  // before Boost: its 1.74 forgets that it needs it
 #include <vector>
 
 #include "base/error.h"
 #include "base/log.h"
+#include "runtime/worker.h"
 
 namespace rds {
 namespace {
@@ -134,19 +136,13 @@ class Connection : public std::enable_shared_from_this<Connection> {
 class HttpServer::Impl {
  public:
   Impl(const HttpServerOptions& options, Handler handler)
-      : shared_(std::make_shared<Shared>()), context_(options.threads), acceptor_(context_) {
+      : shared_(std::make_shared<Shared>()), context_(options.threads), acceptor_(context_), pause_(context_) {
     shared_->options = options;
     shared_->handler = std::move(handler);
     Listen();
     Accept();
     for (int i = 0; i < options.threads; ++i) {
-      threads_.emplace_back([this] { context_.run(); });
-    }
-  }
-  ~Impl() {
-    context_.stop();
-    for (std::thread& thread : threads_) {
-      thread.join();
+      workers_.push_back(std::make_unique<Worker>([this] { context_.run(); }));
     }
   }
   Impl(const Impl&) = delete;
@@ -171,10 +167,12 @@ class HttpServer::Impl {
 
   void Accept() {
     acceptor_.async_accept(asio::make_strand(context_), [this](beast::error_code error, tcp::socket socket) {
-      if (!acceptor_.is_open()) {
+      if (error) {  // no more files may be opened, say: later perhaps
+        pause_.expires_after(std::chrono::milliseconds(100));
+        pause_.async_wait([this](beast::error_code) { Accept(); });
         return;
       }
-      if (!error && shared_->connections < shared_->options.most_connections) {
+      if (shared_->connections < shared_->options.most_connections) {
         beast::error_code ignored;
         socket.set_option(tcp::no_delay(true), ignored);
         std::make_shared<Connection>(std::move(socket), shared_)->Read();
@@ -186,7 +184,13 @@ class HttpServer::Impl {
   const std::shared_ptr<Shared> shared_;
   asio::io_context context_;
   tcp::acceptor acceptor_;
-  std::vector<std::thread> threads_;
+  asio::steady_timer pause_;
+  std::vector<std::unique_ptr<Worker>> workers_;
+  // The last member, so that workers are stopped before they are joined, also where not all of them could be made.
+  struct Stopper {
+    ~Stopper() { context.stop(); }
+    asio::io_context& context;
+  } stopper_{context_};
 };
 
 HttpServer::HttpServer(const HttpServerOptions& options, Handler handler)

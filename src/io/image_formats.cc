@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "base/error.h"
+#include "base/text.h"
 #include "io/image_bytes.h"
 #include "io/image_numbers.h"
 
@@ -122,7 +123,7 @@ ImageHeader InspectNpy(const std::filesystem::path& path, std::string_view bytes
     throw Truncated(path);
   }
   std::string_view text = bytes.substr(text_at, length);
-  text = text.substr(0, text.find_last_not_of(" \n") + 1);
+  text = Trimmed(text);
   constexpr std::string_view kBegin = "{'descr': '";
   constexpr std::string_view kMiddle = "', 'fortran_order': False, 'shape': (";
   const std::string_view type = text.substr(std::min(kBegin.size(), text.size()), 3);

@@ -10,6 +10,7 @@
 #include <cctype>
 
 #include "base/error.h"
+#include "base/text.h"
 
 namespace rds {
 namespace {
@@ -42,10 +43,7 @@ std::size_t TakeHeader(char* data, std::size_t size, std::size_t count, void* us
     headers.clear();  // of the answer before: "100 Continue"
   }
   if (const std::size_t colon = line.find(':'); colon != std::string::npos && headers.size() < 100) {
-    const std::size_t begin = line.find_first_not_of(" \t", colon + 1);
-    const std::size_t end = line.find_last_not_of(" \t\r\n");
-    headers[SmallLetters(line.substr(0, colon))] =
-        begin == std::string::npos || end < begin ? "" : line.substr(begin, end + 1 - begin);
+    headers[SmallLetters(line.substr(0, colon))] = Trimmed(std::string_view(line).substr(colon + 1));
   }
   return size * count;
 }

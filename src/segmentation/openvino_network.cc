@@ -21,20 +21,13 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/text.h"
 #include "segmentation/network_output.h"
 
 namespace rds {
 namespace {
 
 namespace op = ov::opset8;
-
-// OpenVINO's errors carry its own source lines; the last line is the one that says something.
-std::string LastLine(const std::string& text) {
-  const std::size_t end = text.find_last_not_of(" \n") + 1;
-  const std::size_t line = end == 0 ? std::string::npos : text.rfind('\n', end - 1);
-  const std::size_t begin = line == std::string::npos ? 0 : line + 1;
-  return text.substr(begin, end - begin);
-}
 
 ov::Output<ov::Node> TensorOf(const ov::Model& network, const std::string& name) {
   for (const std::shared_ptr<ov::Node>& node : network.get_ordered_ops()) {
@@ -169,7 +162,7 @@ std::shared_ptr<ov::Model> ReadNetworkFile(const std::string& weights) {
     throw InputError(fmt::format(
         "weights {}: damaged, cut short, or not a model of type {} ({}); copy it again, or fetch the published ones "
         "with `rds fetch weights`",
-        weights, format->first, LastLine(error.what())));
+        weights, format->first, LastLine(error.what())));  // the lines above are of OpenVINO's own source
   }
 }
 

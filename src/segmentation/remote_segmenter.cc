@@ -43,10 +43,7 @@ std::string ErrorOf(const HttpResponse& response) {
 class RemoteSegmenter final : public Segmenter {
  public:
   RemoteSegmenter(const RemoteOptions& options, const std::string& dynamic_classes)
-      : options_(options),
-        dynamic_classes_(dynamic_classes),
-        connection_(options.timeout_s),
-        metadata_(FirstSeconds()) {
+      : options_(options), dynamic_classes_(dynamic_classes), connection_(options.timeout_s) {
     std::smatch match;
     static const std::regex address("https?://[^/ ]+(/[^ ]*)?/v2/models/([^/ ]+)(/versions/[^/ ]+)?/?");
     if (!std::regex_match(options.url, match, address)) {
@@ -62,7 +59,8 @@ class RemoteSegmenter final : public Segmenter {
       ChooseDynamicClasses(model_, dynamic_classes_);
     }
     try {
-      ReadMetadata(metadata_);
+      HttpConnection impatient(std::min(options.timeout_s, 2.0));  // a server that is not there is not waited for
+      ReadMetadata(impatient);
     } catch (const HttpError& error) {
       log::warn("{}; going on without masks until it answers", error.what());
     } catch (const RefusedError& error) {
@@ -100,8 +98,6 @@ class RemoteSegmenter final : public Segmenter {
   [[nodiscard]] std::string Name() const override { return "remote, " + url_; }
 
  private:
-  [[nodiscard]] double FirstSeconds() const { return std::min(options_.timeout_s, 2.0); }
-
   // Masks of the first images; nothing once canceled. Throws what the last try threw.
   std::optional<std::vector<Image8>> Ask(std::span<const SegmentationInput> inputs) {
     double pause_s = kFirstPause_s;
@@ -152,7 +148,7 @@ class RemoteSegmenter final : public Segmenter {
     }
     ModelInfo info = ReadModelInfo(url_, response.body);
     is_own_ = info.platform == kOwnPlatform;
-    form_ = FormOf(info, is_own_ ? SegmentationModel{} : model_);  // our own server takes images as they are
+    form_ = FormOf(info, InputModel());
     if (is_own_ && dynamic_classes_ != kDefaultDynamicClass) {
       throw RefusedError("option semantic.dynamic_classes: the server decides; give it to `rds serve`");
     }
@@ -161,6 +157,9 @@ class RemoteSegmenter final : public Segmenter {
     }
     info_ = std::move(info);
   }
+
+  // What images are made into: our own server takes them as they are.
+  [[nodiscard]] SegmentationModel InputModel() const { return is_own_ ? SegmentationModel{} : model_; }
 
   // A model that nobody describes is understood where its output can mean one thing only.
   void Guess(const ModelInfo& info) {
@@ -238,7 +237,7 @@ class RemoteSegmenter final : public Segmenter {
                                                   : std::array{std::int64_t{3}, height, width};
     tensor.shape.insert(tensor.shape.end(), shape.begin(), shape.end());
     for (const SegmentationInput& input : inputs) {
-      tensor.data += AsPixels(*input.image, form_, is_own_ ? SegmentationModel{} : model_);
+      tensor.data += AsPixels(*input.image, form_, InputModel());
     }
     return tensor;
   }
@@ -302,7 +301,6 @@ class RemoteSegmenter final : public Segmenter {
   SegmentationModel model_;
   bool described_ = false;  // by a file or built in
   HttpConnection connection_;
-  HttpConnection metadata_;  // of the constructor: not to wait long for a server that is not there
   // Of Segment's thread, after the constructor:
   std::optional<ModelInfo> info_;
   InputForm form_;

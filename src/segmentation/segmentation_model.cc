@@ -14,6 +14,7 @@
 #include "base/file.h"
 #include "base/strict_yaml.h"
 #include "base/suggest.h"
+#include "base/text.h"
 #include "segmentation/segmenter_options.h"
 
 namespace rds {
@@ -132,9 +133,7 @@ std::vector<std::string> ReadNames(const fs::path& file) {
   std::vector<std::string> names;
   std::istringstream lines(ReadFile(file));
   for (std::string line; std::getline(lines, line);) {
-    const std::size_t begin = line.find_first_not_of(" \t\r");
-    const std::size_t end = line.find_last_not_of(" \t\r");
-    names.push_back(begin == std::string::npos ? "" : line.substr(begin, end + 1 - begin));
+    names.emplace_back(Trimmed(line));
   }
   while (!names.empty() && names.back().empty()) {
     names.pop_back();
@@ -310,9 +309,8 @@ void ChooseDynamicClasses(SegmentationModel& model, const std::string& dynamic_c
   const bool in_brackets = dynamic_classes.starts_with('[') && dynamic_classes.ends_with(']');
   std::istringstream words(in_brackets ? dynamic_classes.substr(1, dynamic_classes.size() - 2) : dynamic_classes);
   for (std::string word; std::getline(words, word, ',');) {
-    const std::size_t begin = word.find_first_not_of(' ');
-    if (begin != std::string::npos) {
-      wanted.push_back(word.substr(begin, word.find_last_not_of(' ') + 1 - begin));
+    if (const std::string_view name = Trimmed(word); !name.empty()) {
+      wanted.emplace_back(name);
     }
   }
   if (wanted.empty()) {
