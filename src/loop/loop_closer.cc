@@ -33,6 +33,20 @@ constexpr double kNothing_rad = 0.2 * std::numbers::pi / 180;
 constexpr double kFar_m = 0.03;
 constexpr double kFar_rad = 0.5 * std::numbers::pi / 180;
 
+// Two frames that were taken so long after one another agree.
+constexpr double kBeside_s = 0.5;
+constexpr double kBeside_m = 0.03;
+constexpr double kSpeed_m_s = 1;
+constexpr double kBeside_rad = 2 * std::numbers::pi / 180;
+constexpr double kSpeed_rad_s = 90 * std::numbers::pi / 180;
+
+bool AreBeside(const PlaceFound& before, const PlaceFound& now, double seconds) {
+  const Rigid3 motion = now.camera_from_world * before.camera_from_world.Inverse();
+  return before.world == now.world && before.map->epoch == now.map->epoch && std::abs(seconds) <= kBeside_s &&
+         motion.translation.norm() <= kBeside_m + kSpeed_m_s * std::abs(seconds) &&
+         AngleOf(motion.rotation) <= kBeside_rad + kSpeed_rad_s * std::abs(seconds);
+}
+
 // Length of the way between two keyframes of a world, meters, along those in between.
 double WayBetween(const Map& map, KeyframeId a, KeyframeId b) {
   const auto [first, last] = std::minmax(a, b);
@@ -80,7 +94,7 @@ void LoopCloser::DropErased(const MapAccess& map) {
   std::erase_if(loops_, [&](const LoopEdge& loop) { return !index_.Has(loop.from) || !index_.Has(loop.to); });
 }
 
-std::optional<PlaceFound> LoopCloser::Relocalize(const MapAccess& map, const PlaceQuery& query) const {
+std::optional<PlaceFound> LoopCloser::Relocalize(const MapAccess& map, const PlaceQuery& query, double timestamp_s) {
   const std::vector<PlaceScore> scores = index_.Query(query.Descriptors());
   const auto candidates = map.Read([&](const Map& locked) {
     return ProposePlaces(locked, scores, kRelocalizationCandidates, [](const Keyframe& /*any*/) { return true; });
@@ -89,14 +103,20 @@ std::optional<PlaceFound> LoopCloser::Relocalize(const MapAccess& map, const Pla
   for (const KeyframeId candidate : candidates) {
     const auto plan = map.Read([&](const Map& locked) { return PlanPlace(locked, candidate); });
     auto found = plan ? VerifyPlace(query, *plan, pyramid_, pose_) : std::nullopt;
-    if (found && IsWithin(*found, kRelocalizationBounds) && (!best || found->matches.size() > best->matches.size())) {
+    if (found && IsWithin(*found, kAgreeingBounds) && (!best || found->matches.size() > best->matches.size())) {
       best = std::move(found);
       if (best->matches.size() >= kClearMatches) {
         break;
       }
     }
   }
-  return best;
+  const auto before = std::exchange(sighting_, std::nullopt);
+  if (!best || IsWithin(*best, kRelocalizationBounds) ||
+      (before && AreBeside(before->found, *best, timestamp_s - before->timestamp_s))) {
+    return best;
+  }
+  sighting_ = Sighting{timestamp_s, *std::move(best)};
+  return std::nullopt;
 }
 
 std::optional<LoopCloser::Subject> LoopCloser::Describe(const MapAccess& map, KeyframeId id) const {

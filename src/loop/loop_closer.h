@@ -35,8 +35,9 @@ class LoopCloser {
 
   // A keyframe that is new, or was labeled since: by its static part it is found from now on.
   void Index(const MapAccess& map, KeyframeId keyframe);
-  // Where in the map, in whatever world, a frame was taken.
-  [[nodiscard]] std::optional<PlaceFound> Relocalize(const MapAccess& map, const PlaceQuery& query) const;
+  // Where in the map, in whatever world, a frame was taken. Where few matches say so, only once the frame asked for
+  // before, not long ago, was found beside it.
+  [[nodiscard]] std::optional<PlaceFound> Relocalize(const MapAccess& map, const PlaceQuery& query, double timestamp_s);
   // Looks for the place of a keyframe elsewhere in the map: in its own world among what is not covisible with it and
   // around it, which is a loop, or in another, which is merged. Both need a witness: a keyframe beside it whose pose is
   // confirmed by what that implies. Corrects the map.
@@ -48,6 +49,10 @@ class LoopCloser {
   [[nodiscard]] const PlaceIndex& index() const { return index_; }
 
  private:
+  struct Sighting {
+    double timestamp_s = 0;
+    PlaceFound found;
+  };
   // A keyframe that may be seen again, with all that is asked of the map at once.
   struct Subject {
     KeyframeId id;
@@ -79,7 +84,8 @@ class LoopCloser {
   bool semantics_;
   PlaceIndex index_;
   std::vector<LoopEdge> loops_;
-  int indexed_ = 0;  // keyframes since erased ones were dropped
+  std::optional<Sighting> sighting_;  // of a lost frame, which waits for another that agrees
+  int indexed_ = 0;                   // keyframes since erased ones were dropped
 };
 
 }  // namespace rds

@@ -157,12 +157,29 @@ TEST(LoopCloser, FindsALostFrameInAnyWorld) {
   ASSERT_THAT(scene.closures, IsEmpty());
   for (const int at : {20, 90}) {
     const auto found = scene.closer.Relocalize(
-        scene.access, {scene.world.Look(scene.world.truth[static_cast<std::size_t>(at)], 3).data, {}});
+        scene.access, {scene.world.Look(scene.world.truth[static_cast<std::size_t>(at)], 3).data, {}}, 0);
     ASSERT_TRUE(found.has_value()) << at;
     EXPECT_EQ(found->world, scene.map.WorldOf(at == 20 ? one.front() : other.front()));
     EXPECT_EQ(found->map->world, found->world);
   }
-  EXPECT_FALSE(scene.closer.Relocalize(scene.access, {scene.world.Look(scene.world.PoseAt(5.4), 3).data, {}}));
+  EXPECT_FALSE(scene.closer.Relocalize(scene.access, {scene.world.Look(scene.world.PoseAt(5.4), 3).data, {}}, 0));
+}
+
+// What few matches say of one frame may be wrong; of two frames in a row the same is not.
+TEST(LoopCloser, AFrameOfWhichLittleIsKnownIsFoundOnceAnotherAgrees) {
+  Scene scene({.keyframes = 60, .rounds = 0.4, .landmarks_per_m = 25});
+  scene.Learn(scene.world.AddTo(scene.map, 0, 60));
+  const auto relocalize = [&](int at, std::uint64_t noise, double timestamp_s) {
+    return scene.closer.Relocalize(
+        scene.access, {scene.world.Look(scene.world.truth[static_cast<std::size_t>(at)], noise).data, {}}, timestamp_s);
+  };
+  EXPECT_FALSE(relocalize(20, 3, 1.0));
+  EXPECT_FALSE(relocalize(40, 4, 1.1)) << "elsewhere";
+  const auto found = relocalize(40, 5, 1.2);
+  ASSERT_TRUE(found.has_value());
+  EXPECT_LT(std::ssize(found->matches), kRelocalizationBounds.matches);
+  EXPECT_FALSE(relocalize(40, 6, 1.3)) << "each is asked for once";
+  EXPECT_FALSE(relocalize(40, 7, 3.0)) << "long after";
 }
 
 TEST(LoopCloser, ErasedKeyframesLeaveTheIndex) {

@@ -69,12 +69,14 @@ struct PlaceFound {
 };
 
 // What a pose is worth depends on what hangs on it: a lost camera looks again in the next frame, a loop bends a map.
+// By people before the camera wrong poses were found with up to 60 matches, of which no two in a row were the same.
 struct PlaceBounds {
   int matches = 0;
   double surfaces = 0;  // share of what can be judged
   int judged = 0;       // samples
 };
-inline constexpr PlaceBounds kRelocalizationBounds{30, 0.80, 200};
+inline constexpr PlaceBounds kRelocalizationBounds{70, 0.85, 1000};
+inline constexpr PlaceBounds kAgreeingBounds{30, 0.85, 1000};  // of two frames one after the other
 inline constexpr PlaceBounds kLoopBounds{50, 0.85, 200};
 
 [[nodiscard]] inline bool IsWithin(const PlaceFound& found, const PlaceBounds& bounds) {

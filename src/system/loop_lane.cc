@@ -11,7 +11,7 @@ LoopLane::LoopLane(const Options& options, bool semantics, Backend& backend)
       closer_(options.loop, ScalePyramid(options.orb.levels, options.orb.scale_factor), options.pose, semantics) {}
 
 void LoopLane::Find(const LostFrame& lost) {
-  if (auto found = closer_.Relocalize(backend_, {lost.data, {}})) {
+  if (auto found = closer_.Relocalize(backend_, {lost.data, {}}, lost.timestamp_s)) {
     const auto matches = static_cast<int>(found->matches.size());
     KnownFrame known{lost.frame, lost.timestamp_s, lost.data, found->keyframe, found->camera_from_keyframe, {}};
     known.points.assign(lost.data->size(), PointId{});

@@ -247,6 +247,40 @@ TEST(SlamPlacesLockstep, WithoutPlacesALostCameraIsLookedForAroundItsLastPoseOnl
   }
 }
 
+// No prior of a steady hand may hold a camera that turns back from one frame to the next.
+TEST(SlamPlacesLockstep, ACameraThatTurnsBackAtOnceKeepsItsPose) {
+  const Tape tape = Tape().Show(1, 0, 75).Show(1, 74, 50);
+  const Played played = Play(tape, true);
+  const Rigid3 world_from_truth = *played.frames[74].world_from_camera * tape.Truth(74).Inverse();
+  for (std::size_t i = 75; i < played.frames.size(); ++i) {
+    ASSERT_TRUE(played.frames[i].world_from_camera) << i;
+    const Rigid3 truth = world_from_truth * tape.Truth(i);
+    EXPECT_LT((played.frames[i].world_from_camera->translation - truth.translation).norm(), 0.03) << i;
+  }
+}
+
+// ORB_SLAM2 #350, ORB_SLAM3 #219, stella #615: what is culled is never freed, and a map of one room grows for ever.
+TEST(SlamPlacesLockstep, ThirtyRoundsOfOneRoomMakeItsMapHardlyLarger) {
+  Options options = SmallOptions(true);
+  options.system.keep_features = true;  // for ViewMap
+  Slam slam(MakeSyntheticCamera(320, 240), options);
+  std::vector<std::size_t> keyframes;
+  std::vector<std::size_t> points;
+  int frame = 0;
+  for (int round = 0; round < 30; ++round) {
+    for (int i = 0; i < 45; ++i) {
+      RgbdFrame rgbd = Look(1, round % 2 == 0 ? i : 44 - i).rgbd;
+      rgbd.timestamp_s = frame++ / kSyntheticFrameRateHz;
+      EXPECT_EQ(slam.Process(rgbd).state, TrackingState::kTracked) << frame;
+    }
+    const auto view = slam.ViewMap();
+    keyframes.push_back(view->keyframes.size());
+    points.push_back(view->points.size());
+  }
+  EXPECT_LE(keyframes[29], keyframes[9] + keyframes[9] / 4);
+  EXPECT_LE(points[29], points[9] + points[9] / 10);
+}
+
 TEST(SlamPlacesLockstep, GivesTheSameBytes) {
   const Tape tape = Tape().Show(1, 0, 45).Show(1, 110, 40);
   const Played once = Play(tape, true);

@@ -15,9 +15,22 @@ namespace {
 
 constexpr double kSameView_rad = 0.6;  // to an older keyframe: most of the image is in both views
 
+constexpr int kProbation = 3;        // frames after a recovery that must be as firm as it
+constexpr double kPriorChi2 = 22.5;  // 6 degrees of freedom: 99.9 %
+
 // With a pose that is wrong, wide windows find many matches, of which some agree by chance.
 bool IsOutlierDominated(const PoseEstimate& estimate) {
   return 2 * estimate.association.used.size() < estimate.outliers.size();
+}
+
+// Found within the reach of a prior that it contradicts, or that few of the matches there agree with.
+bool IsDoubtful(const PoseEstimate& estimate) {
+  if (!estimate.prior) {
+    return false;
+  }
+  const auto residual = PriorResidual(*estimate.prior, estimate.camera_from_world);
+  return residual.dot(estimate.prior->information * residual) > kPriorChi2 ||
+         estimate.outliers.size() > estimate.association.used.size();
 }
 
 }  // namespace
@@ -73,7 +86,8 @@ TrackOutcome Tracker::TrackInMap(const WorkerStatus& status) {
   }
   const bool wide = prior_only || !last_.tracked;
   PoseEstimate estimate = TrackLocalMap(frame, *coarse, wide ? options_.recovery_window_px : options_.local_window_px);
-  if (!HasEnoughInliers(estimate.association) || (prior_only && IsOutlierDominated(estimate))) {
+  const bool recovering = !last_.tracked || (frames_since_recovery_ && *frames_since_recovery_ <= kProbation);
+  if (!HasEnoughInliers(estimate.association, recovering) || (prior_only && IsOutlierDominated(estimate))) {
     return Lost(times);
   }
   return Tracked(std::move(estimate), status, times);
@@ -142,12 +156,18 @@ std::optional<PoseEstimate> Tracker::CoarsePose(const FrameContext& frame, const
   if (!last_.tracked) {
     return RecoverPose(frame, last_.camera_from_world);
   }
-  if (auto estimate = TrackLastFrame(frame, *last_.data, last_.observations, expected)) {
+  auto estimate = TrackLastFrame(frame, *last_.data, last_.observations, expected);
+  if (estimate && !IsDoubtful(*estimate)) {
     return estimate;
   }
-  // What was expected may be wrong.
+  // What was expected may be wrong: a camera that turns back or is bumped accelerates more than the prior believes.
   const LocalKeyframe* const reference = map_->Find(last_.reference);
-  return TrackKeyframe(frame, reference != nullptr ? *reference : map_->keyframes.back(), last_.camera_from_world);
+  auto by_appearance =
+      TrackKeyframe(frame, reference != nullptr ? *reference : map_->keyframes.back(), last_.camera_from_world);
+  // So far from what was expected it must stand as firmly as one that is recovered.
+  const bool is_better = by_appearance && (!expected.prior || HasEnoughInliers(by_appearance->association, true)) &&
+                         (!estimate || by_appearance->association.used.size() > estimate->association.used.size());
+  return is_better ? by_appearance : estimate;
 }
 
 PoseEstimate Tracker::TrackLocalMap(const FrameContext& frame, const PoseEstimate& coarse, double window_px) {
@@ -179,8 +199,7 @@ PoseEstimate Tracker::TrackLocalMap(const FrameContext& frame, const PoseEstimat
 }
 
 // Static points are known to be what they seem, so fewer of them make a pose.
-bool Tracker::HasEnoughInliers(const Association& association) const {
-  const bool recovering = !last_.tracked;
+bool Tracker::HasEnoughInliers(const Association& association, bool recovering) const {
   const auto inliers = static_cast<int>(association.used.size());
   const int enough = recovering ? options_.min_recovery_inliers : options_.min_inliers;
   const int enough_static = recovering ? options_.min_inliers : options_.association.tau;

@@ -108,7 +108,7 @@ class Tracker {
   [[nodiscard]] std::optional<PoseEstimate> CoarsePose(const FrameContext& frame, const ExpectedPose& expected) const;
   // The pose from all points of the local map, `window_px` searched around each.
   [[nodiscard]] PoseEstimate TrackLocalMap(const FrameContext& frame, const PoseEstimate& coarse, double window_px);
-  [[nodiscard]] bool HasEnoughInliers(const Association& association) const;
+  [[nodiscard]] bool HasEnoughInliers(const Association& association, bool recovering) const;
   [[nodiscard]] TrackOutcome Lost(const StageTimes& times);
   [[nodiscard]] TrackOutcome Tracked(PoseEstimate estimate, const WorkerStatus& status, const StageTimes& times);
   [[nodiscard]] std::optional<double> ExplainedBy(const LocalKeyframe& keyframe) const;
