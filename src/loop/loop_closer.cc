@@ -33,6 +33,9 @@ constexpr double kNothing_rad = 0.2 * std::numbers::pi / 180;
 constexpr double kFar_m = 0.03;
 constexpr double kFar_rad = 0.5 * std::numbers::pi / 180;
 
+// Of a full bundle adjustment, whose memory and time grow with them: 600 keyframes that all see the same.
+constexpr std::size_t kMostEdges = 180'000;
+
 // Two frames that were taken so long after one another agree.
 constexpr double kBeside_s = 0.5;
 constexpr double kBeside_m = 0.03;
@@ -341,13 +344,8 @@ bool LoopCloser::Adjust(MapAccess& map, WorldId world, const std::function<bool(
   std::uint32_t epoch = 0;
   const auto bundle = map.Read([&](const Map& locked) {
     epoch = locked.epoch();
-    std::vector<KeyframeId> all;
-    for (const KeyframeId id : locked.keyframes()) {
-      if (locked.At(id).world == locked.Resolve(world)) {
-        all.push_back(id);
-      }
-    }
-    return PlanBundle(locked, all, {}, PointsToAdjust(locked, all, semantics_), semantics_);
+    const std::vector<KeyframeId> adjusted = KeyframesToAdjust(locked, locked.Resolve(world), kMostEdges);
+    return PlanBundle(locked, adjusted, {}, PointsToAdjust(locked, adjusted, semantics_), semantics_);
   });
   if (!bundle) {
     return false;

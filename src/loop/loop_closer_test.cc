@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "map/map_bundle.h"
 #include "testing/matchers.h"
 #include "testing/ring_world.h"
 #include "testing/unlocked_map.h"
@@ -203,6 +204,23 @@ TEST(LoopCloser, FullBundleAdjustmentMakesAMapBetter) {
   ASSERT_TRUE(scene.closer.Adjust(scene.access, scene.map.WorldOf(ids[0]), {}));
   EXPECT_LT(scene.world.Rmse(scene.map, ids), 0.5 * before);
   EXPECT_EQ(scene.map.epoch(), epoch + 1);
+  EXPECT_THAT(scene.map.Validate(), IsEmpty());
+}
+
+// A map of one place has about as many edges as pairs of keyframes.
+TEST(LoopCloser, OfALargeMapOfOnePlaceEveryOtherKeyframeIsAdjustedAndTheRestFollow) {
+  Scene scene({.keyframes = 60, .rounds = 0.1, .drift = 0.01, .turn_rad = 0.002});
+  const std::vector<KeyframeId> ids = scene.world.AddTo(scene.map, 0, 60);
+  const WorldId world = scene.map.WorldOf(ids[0]);
+  EXPECT_EQ(KeyframesToAdjust(scene.map, world, 60 * 60).size(), 60U);
+  const std::vector<KeyframeId> some = KeyframesToAdjust(scene.map, world, 60 * 59 / 4);
+  EXPECT_EQ(some.size(), 30U);
+  EXPECT_EQ(some.front(), ids.front());
+  const double before = scene.world.Rmse(scene.map, ids);
+  const auto bundle = PlanBundle(scene.map, some, {}, PointsToAdjust(scene.map, some, false), false);
+  ASSERT_TRUE(bundle);
+  BendTo(scene.map, *bundle, AdjustBundle(bundle->problem, {}));
+  EXPECT_LT(scene.world.Rmse(scene.map, ids), 0.6 * before);
   EXPECT_THAT(scene.map.Validate(), IsEmpty());
 }
 

@@ -2,6 +2,7 @@
 #include "map/map_bundle.h"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <limits>
 #include <utility>
@@ -9,6 +10,25 @@
 #include "feature/keypoint_observation.h"
 
 namespace rds {
+
+std::vector<KeyframeId> KeyframesToAdjust(const Map& map, WorldId world, std::size_t most_edges) {
+  std::vector<KeyframeId> all;
+  std::size_t ends = 0;
+  for (const KeyframeId id : map.keyframes()) {
+    const Keyframe& keyframe = map.At(id);
+    if (keyframe.world == world) {
+      all.push_back(id);
+      ends += keyframe.covisible.size();
+    }
+  }
+  const double share = static_cast<double>(ends) / (2 * static_cast<double>(most_edges));
+  const auto step = std::max<std::size_t>(1, static_cast<std::size_t>(std::ceil(std::sqrt(share))));
+  std::vector<KeyframeId> chosen;
+  for (std::size_t i = 0; i < all.size(); i += step) {
+    chosen.push_back(all[i]);
+  }
+  return chosen;
+}
 
 std::vector<PointId> PointsToAdjust(const Map& map, std::span<const KeyframeId> keyframes, bool weighted) {
   std::vector<PointId> points;

@@ -23,6 +23,10 @@ struct MapBundle {
   std::vector<Point> points;               // one for each point of the problem
 };
 
+// All keyframes of a world; every n-th, ascending, where covisibility has more edges than so many: the memory and the
+// time of a bundle adjustment grow with them.
+[[nodiscard]] std::vector<KeyframeId> KeyframesToAdjust(const Map& map, WorldId world, std::size_t most_edges);
+
 // The points that keyframes see, ascending; `weighted`: without those known as dynamic, which constrain nothing.
 [[nodiscard]] std::vector<PointId> PointsToAdjust(const Map& map, std::span<const KeyframeId> keyframes, bool weighted);
 

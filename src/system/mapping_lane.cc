@@ -27,8 +27,8 @@ KeyframeId MappingLane::Map(const KeyframeCandidate& candidate, const std::funct
     if (mapper_.Adjust(backend_, id, semantics_, should_stop)) {
       local_ba_ms_.Write([&](auto& times) { times.push_back(watch.Milliseconds()); });
     }
-    mapper_.CullKeyframes(backend_, id);
   }
+  mapper_.CullKeyframes(backend_, id);  // however much waits: or the map of one room grows for ever
   backend_.PublishLocalMap(id);
   backend_.PublishView();
   return id;
