@@ -20,8 +20,8 @@ MAX_LINES = 400
 
 # (start of an include, folders whose files may have it (.cc files only, but in cli/), where it belongs)
 CONFINED = [
-    (r"<opencv2/", {"feature", "segmentation", "io", "synth", "cli", "testing"},
-     "OpenCV: .cc files of feature/, segmentation/, io/, synth/"),
+    (r"<opencv2/", {"feature", "place", "segmentation", "io", "synth", "cli", "testing"},
+     "OpenCV: .cc files of feature/, place/ (P3P), segmentation/, io/, synth/"),
     (r"<openvino/", {"segmentation"}, "OpenVINO: its back end in segmentation/"),
     (r"<curl/", {"io", "segmentation"}, "libcurl: .cc files of io/ and segmentation/"),
     (r"<boost/", {"io"}, "Boost: .cc files of io/"),

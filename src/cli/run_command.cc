@@ -144,10 +144,11 @@ std::string TrackingText(const PlaySetup& setup, const Outcome& outcome) {
   const SlamResult& slam = outcome.playback.slam;
   const std::ptrdiff_t not_started = FramesNotStarted(outcome.playback.frames);
   const std::string text =
-      fmt::format("{}: {} of {} frames tracked, {} lost{}; {} keyframes, {} points\n", outcome.description.sequence,
-                  slam.tracked_frames, outcome.playback.frames.size(), slam.lost_frames,
-                  not_started > 0 ? fmt::format(", {} before the start", not_started) : "", slam.keyframes.size(),
-                  slam.map.points.size());
+      fmt::format("{}: {} of {} frames tracked{}, {} lost{}; {} keyframes, {} points\n", outcome.description.sequence,
+                  slam.tracked_frames, outcome.playback.frames.size(),
+                  slam.found_frames > 0 ? fmt::format(" ({} found at the end)", slam.found_frames) : "",
+                  slam.lost_frames, not_started > 0 ? fmt::format(", {} before the start", not_started) : "",
+                  slam.keyframes.size(), slam.map.points.size());
   if (slam.tracked_frames == 0) {
     return text + fmt::format(
                       "never started: no frame has the {} keypoints with depth that a start needs "

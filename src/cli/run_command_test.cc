@@ -121,8 +121,8 @@ TEST_F(RunCommandTest, WritesEveryOutput) {
   EXPECT_FALSE(ReadTrajectory(out_ / "keyframes.txt").empty());
   const nlohmann::json report = Report();
   for (const char* key :
-       {"frames", "tracked", "lost", "keyframes", "map_points", "start_up_s", "tracking_ms", "cpu_ms_per_frame",
-        "local_ba_ms", "map_lock_ms", "peak_memory_mb", "wall_s", "ate_m", "rpe", "semantics"}) {
+       {"frames", "tracked", "lost", "found", "keyframes", "map_points", "start_up_s", "tracking_ms",
+        "cpu_ms_per_frame", "local_ba_ms", "map_lock_ms", "peak_memory_mb", "wall_s", "ate_m", "rpe", "semantics"}) {
     EXPECT_TRUE(report.contains(key)) << key;
   }
   EXPECT_EQ(report["frames"], kFrames);

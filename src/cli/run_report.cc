@@ -187,6 +187,7 @@ Json RunReport(const RunDescription& description, const PlaybackResult& playback
   report["frames"] = playback.frames.size();
   report["tracked"] = slam.tracked_frames;
   report["lost"] = slam.lost_frames;
+  report["found"] = slam.found_frames;
   report["not_started"] = FramesNotStarted(playback.frames);
   report["worlds"] = WorldsJson(slam);
   report["coverage"] = Coverage(slam);

@@ -33,6 +33,7 @@ PlaybackResult TenFrames() {
   }
   playback.slam.tracked_frames = 8;
   playback.slam.lost_frames = 1;
+  playback.slam.found_frames = 2;
   playback.slam.keyframes.resize(3);
   playback.slam.map.points.resize(7);
   playback.slam.local_ba_ms = {5, 7};
@@ -65,6 +66,7 @@ TEST(RunReport, SaysWhatHappened) {
   EXPECT_EQ(report["frames"], 10);
   EXPECT_EQ(report["tracked"], 8);
   EXPECT_EQ(report["lost"], 1);
+  EXPECT_EQ(report["found"], 2);
   EXPECT_EQ(report["not_started"], 1);
   EXPECT_EQ(report["late"], 1);
   EXPECT_EQ(report["keyframes"], 3);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <iterator>
+#include <opencv2/calib3d.hpp>
 #include <utility>
 
 #include "base/random.h"
@@ -35,12 +36,36 @@ int CountAgreeing(const FrameData& current, std::span<const PointMatch> matches,
   return count;
 }
 
+using Triple = std::array<Eigen::Vector3d, 3>;
+
 // Whether three points fix a pose: not where they coincide, lie on a line or are no numbers.
-bool IsTriangle(const std::array<Eigen::Vector3d, 3>& points) {
+bool IsTriangle(const Triple& points) {
   constexpr double kLeastSine = 0.02;
   const Eigen::Vector3d a = points[1] - points[0];
   const Eigen::Vector3d b = points[2] - points[0];
   return a.cross(b).norm() > kLeastSine * a.norm() * b.norm();
+}
+
+// Poses, up to four, from which three points are seen in three directions (z = 1).
+std::vector<Rigid3> PosesOfDirections(const Triple& in_world, const Triple& directions) {
+  std::vector<cv::Point3d> points;
+  std::vector<cv::Point2d> pixels;
+  for (std::size_t i = 0; i < 3; ++i) {
+    points.emplace_back(in_world[i].x(), in_world[i].y(), in_world[i].z());
+    pixels.emplace_back(directions[i].x(), directions[i].y());
+  }
+  std::vector<cv::Mat> rotations;
+  std::vector<cv::Mat> translations;
+  cv::solveP3P(points, pixels, cv::Matx33d::eye(), {}, rotations, translations, cv::SOLVEPNP_AP3P);
+  std::vector<Rigid3> poses;
+  for (std::size_t i = 0; i < rotations.size(); ++i) {
+    const Eigen::Map<const Eigen::Vector3d> rotation(rotations[i].ptr<double>());
+    const Eigen::Map<const Eigen::Vector3d> translation(translations[i].ptr<double>());
+    if (rotation.allFinite() && translation.allFinite()) {
+      poses.emplace_back(ExpSo3(rotation), translation);
+    }
+  }
+  return poses;
 }
 
 }  // namespace
@@ -60,12 +85,15 @@ std::vector<PointMatch> MatchKeyframe(const LocalKeyframe& keyframe, const Frame
 
 std::optional<Rigid3> RansacPose(const FrameData& current, std::span<const PointMatch> matches, const LocalMap& map,
                                  const ScalePyramid& pyramid, int min_inliers) {
-  std::vector<Eigen::Vector3d> in_camera;
+  const auto has_depth = [&](const PointMatch& match) { return current.keypoints()[match.keypoint].HasDepth(); };
+  const bool by_depth = 2 * std::ranges::count_if(matches, has_depth) >= std::ssize(matches);
+  std::vector<Eigen::Vector3d> in_camera;  // or its direction
   std::vector<Eigen::Vector3d> in_world;
   for (const PointMatch& match : matches) {
     const Keypoint& keypoint = current.keypoints()[match.keypoint];
-    if (keypoint.HasDepth()) {
-      in_camera.push_back(keypoint.PointIn(current.camera()));
+    if (!by_depth || keypoint.HasDepth()) {
+      in_camera.push_back(by_depth ? keypoint.PointIn(current.camera())
+                                   : current.camera().Unproject(keypoint.Pixel(), 1));
       in_world.push_back(map.Position(match.point));
     }
   }
@@ -81,16 +109,18 @@ std::optional<Rigid3> RansacPose(const FrameData& current, std::span<const Point
     if (pick[0] == pick[1] || pick[1] == pick[2] || pick[0] == pick[2]) {
       continue;
     }
-    const std::array<Eigen::Vector3d, 3> from = {in_world[pick[0]], in_world[pick[1]], in_world[pick[2]]};
-    const std::array<Eigen::Vector3d, 3> to = {in_camera[pick[0]], in_camera[pick[1]], in_camera[pick[2]]};
+    const Triple from = {in_world[pick[0]], in_world[pick[1]], in_world[pick[2]]};
+    const Triple to = {in_camera[pick[0]], in_camera[pick[1]], in_camera[pick[2]]};
     if (!IsTriangle(from) || !IsTriangle(to)) {
       continue;
     }
-    const Rigid3 pose = Align(from, to, false).target_from_source;
-    const int agreeing = CountAgreeing(current, matches, map, pyramid, pose);
-    if (agreeing > most) {
-      most = agreeing;
-      best = pose;
+    const std::vector<Rigid3> poses =
+        by_depth ? std::vector{Align(from, to, false).target_from_source} : PosesOfDirections(from, to);
+    for (const Rigid3& pose : poses) {
+      if (const int agreeing = CountAgreeing(current, matches, map, pyramid, pose); agreeing > most) {
+        most = agreeing;
+        best = pose;
+      }
     }
   }
   return best;

@@ -15,9 +15,10 @@ namespace rds {
 [[nodiscard]] std::vector<PointMatch> MatchKeyframe(const LocalKeyframe& keyframe, const FrameData& current,
                                                     double ratio);
 
-// Pose that most matches agree with, from triples of keypoints with depth: RANSAC over 3-D to 3-D alignments, a match
-// agrees if it reprojects within the chi2 bound. Nothing if fewer than `min_inliers` agree. Seeded, so the same input
-// gives the same pose.
+// Pose that most matches agree with, from triples of keypoints: RANSAC over 3-D to 3-D alignments of those with depth,
+// or, where under half of the matches have any, over the poses that three directions leave (P3P). A match agrees if it
+// reprojects within the chi2 bound. Nothing if fewer than `min_inliers` agree. Seeded, so the same input gives the same
+// pose.
 [[nodiscard]] std::optional<Rigid3> RansacPose(const FrameData& current, std::span<const PointMatch> matches,
                                                const LocalMap& map, const ScalePyramid& pyramid, int min_inliers);
 

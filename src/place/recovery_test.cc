@@ -126,19 +126,22 @@ TEST(RansacPose, WantsEnoughMatchesThatAgree) {
   EXPECT_FALSE(scene.Ransac(Scene::Matches(kPoints)).has_value());
 }
 
-TEST(RansacPose, NeedsThreeKeypointsWithDepth) {
-  Scene scene;
-  EXPECT_FALSE(scene.Ransac({}, 0).has_value());
-  const auto matches = Scene::Matches(0);
-  for (std::size_t i = 2; i < kPoints; ++i) {
-    scene.keypoints[i].depth_m = 0;
+TEST(RansacPose, StandsOnDirectionsWhereDepthIsScarce) {
+  const auto leave_depth = [](std::uint32_t keypoints) {
+    Scene scene;
+    for (std::uint32_t i = keypoints; i < kPoints; ++i) {
+      scene.keypoints[i].depth_m = 0;
+    }
+    return scene;
+  };
+  EXPECT_FALSE(leave_depth(kPoints).Ransac({}, 0).has_value());
+  const std::vector<PointMatch> matches = Scene::Matches(20);
+  EXPECT_FALSE(leave_depth(0).Ransac(std::span(matches).first(2), 2).has_value());
+  for (const std::uint32_t with_depth : {0U, 2U, kPoints / 2 - 1, kPoints / 2}) {
+    const auto pose = leave_depth(with_depth).Ransac(matches, static_cast<int>(kPoints - 20));
+    ASSERT_TRUE(pose.has_value()) << with_depth;
+    EXPECT_THAT(*pose, RigidNear(Scene().pose, 2e-3, 0.1)) << with_depth;
   }
-  EXPECT_FALSE(scene.Ransac(matches, 3).has_value());
-  scene.keypoints[2] = See(scene.pose, scene.map->Position(2));
-  // The others agree by their pixels alone.
-  const auto pose = scene.Ransac(matches, static_cast<int>(kPoints));
-  ASSERT_TRUE(pose.has_value());
-  EXPECT_THAT(*pose, RigidNear(scene.pose, 2e-3, 0.1));
 }
 
 // A tracker of the field aborts in its alignment on such input.

@@ -5,6 +5,11 @@
 #include <utility>
 
 namespace rds {
+namespace {
+
+constexpr std::size_t kMostLost = 300;  // frames that are kept to be found at the end: 45 MB
+
+}  // namespace
 
 FrontEnd::FrontEnd(const Options& options, const ScalePyramid& pyramid, Lanes& lanes, Executor& executor)
     : options_(options), pyramid_(pyramid), lanes_(lanes), executor_(executor), tracker_(MakeTracker()) {}
@@ -79,7 +84,7 @@ std::optional<TrackOutcome> FrontEnd::BeginAnew(const IncomingFrame& frame, Fram
   if (!executor_.Status().mapping_idle) {
     return std::nullopt;
   }
-  StartAgain(first, trajectory_.Has(frame.id) ? 1 : 0);
+  StartAgain(first, 1);
   TrackOutcome outcome = Track(frame, nullptr, nullptr);
   MapKeyframeNow(frame);
   outcome.wants_keyframe = false;  // it is one
@@ -104,7 +109,27 @@ void FrontEnd::Propagate(const IncomingFrame& frame, const TrackOutcome& outcome
   }
 }
 
-void FrontEnd::AskForPlace(const IncomingFrame& frame) { lanes_.Find({frame.id, frame.timestamp_s, frame.data}); }
+void FrontEnd::AskForPlace(const IncomingFrame& frame) {
+  lanes_.Find({frame.id, frame.timestamp_s, frame.data});
+  if (lanes_.finds_places) {
+    lost_frames_.push_back({frame.id, frame.timestamp_s, frame.data});
+    if (lost_frames_.size() > kMostLost) {
+      lost_frames_.pop_front();
+    }
+  }
+}
+
+void FrontEnd::FindLost() {
+  for (const LostFrame& lost : lost_frames_) {
+    if (trajectory_.Has(lost.frame)) {
+      continue;  // it was tracked again
+    }
+    if (const auto place = lanes_.loops.Place(lost)) {
+      trajectory_.AddFound(lost.frame, lost.timestamp_s, place->frame.reference, place->frame.camera_from_reference);
+    }
+  }
+  lost_frames_.clear();
+}
 
 bool FrontEnd::GoOnWhereFound() {
   const auto place = lanes_.loops.NewestPlace();

@@ -2,6 +2,7 @@
 // Tracking, and what it hands on: the lane of the caller's thread.
 #pragma once
 
+#include <deque>
 #include <memory>
 
 #include "system/executor.h"
@@ -49,6 +50,9 @@ class FrontEnd {
   void StartAgain(FrameId first, std::size_t frames);
   // Looks for a frame just lost in all of the map.
   void AskForPlace(const IncomingFrame& frame);
+  // Gives the newest lost frames poses where they are found in the map as it is at the end, of which much was not there
+  // when they were lost. After the executor has finished.
+  void FindLost();
   // Goes on where an earlier frame was found, if one was since tracking was lost. Whether it was.
   bool GoOnWhereFound();
   // The pose of the last frame is that of a keyframe.
@@ -76,6 +80,7 @@ class FrontEnd {
   std::unique_ptr<Tracker> tracker_;
   TrajectoryRecorder trajectory_;
   std::optional<FrameId> lost_since_;
+  std::deque<LostFrame> lost_frames_;
   std::uint32_t epoch_ = 0;  // of the map that the last frame was tracked in
 };
 

@@ -240,6 +240,37 @@ TEST(TrajectoryRecorder, PosesFollowTheirKeyframes) {
   EXPECT_EQ(trajectory[1].timestamp_s, 2);
 }
 
+TEST(TrajectoryRecorder, AFrameThatIsFoundHangsOnWhatItLooksLike) {
+  Scene scene;
+  const KeyframeId first = scene.lanes->mapping.Map(scene.Candidate(0, Truth(0)), kNever);
+  const KeyframeId second = scene.lanes->mapping.Map(scene.Candidate(8, Truth(8)), kNever);
+  TrajectoryRecorder recorder;
+  TrackOutcome outcome;
+  outcome.tracked = true;
+  outcome.reference = first;
+  recorder.AddFound(FrameId{0}, 0, first, {});  // nothing to come after yet
+  recorder.Add(FrameId{1}, 0.1, outcome);
+  recorder.Add(FrameId{2}, 0.2, {});
+  recorder.Add(FrameId{3}, 0.3, {});
+  recorder.Add(FrameId{8}, 0.8, outcome);
+  const Rigid3 found{Eigen::Quaterniond::Identity(), {0, 0, -0.5}};
+  recorder.AddFound(FrameId{3}, 0.3, first, found);
+  EXPECT_TRUE(recorder.Has(FrameId{3}));
+  EXPECT_FALSE(recorder.Has(FrameId{2}));
+  EXPECT_EQ(recorder.found(), 1);
+  EXPECT_EQ(recorder.lost(), 1);
+  // What the second keyframe was corrected by is no matter of a frame that was found.
+  scene.lanes->backend.Write([&](Map& map) {
+    map.SetPose(first, {});
+    map.SetPose(second, Rigid3{Eigen::Quaterniond::Identity(), {1, 0, -1}});
+  });
+  const Trajectory trajectory =
+      scene.lanes->backend.Read([&](const Map& map) { return recorder.Resolve(map); }).front().frames;
+  ASSERT_EQ(trajectory.size(), 3U);
+  EXPECT_EQ(trajectory[1].timestamp_s, 0.3);
+  EXPECT_THAT(trajectory[1].world_from_camera, RigidNear(found.Inverse(), 1e-9, 1e-6));
+}
+
 TEST(TrajectoryRecorder, FramesBeforeAKeyframeShareWhatItWasCorrectedBy) {
   Scene scene;
   const KeyframeId first = scene.lanes->mapping.Map(scene.Candidate(0, Truth(0)), kNever);

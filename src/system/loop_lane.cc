@@ -10,15 +10,23 @@ LoopLane::LoopLane(const Options& options, bool semantics, Backend& backend)
       backend_(backend),
       closer_(options.loop, ScalePyramid(options.orb.levels, options.orb.scale_factor), options.pose, semantics) {}
 
+std::shared_ptr<const PlacedFrame> LoopLane::Place(const LostFrame& lost) {
+  auto found = closer_.Relocalize(backend_, {lost.data, {}}, lost.timestamp_s);
+  if (!found) {
+    return nullptr;
+  }
+  const auto matches = static_cast<int>(found->matches.size());
+  KnownFrame known{lost.frame, lost.timestamp_s, lost.data, found->keyframe, found->camera_from_keyframe, {}};
+  known.points.assign(lost.data->size(), PointId{});
+  for (const auto& [keypoint, point] : found->matches) {
+    known.points[keypoint] = point;
+  }
+  return std::make_shared<const PlacedFrame>(PlacedFrame{std::move(known), std::move(found->map), matches});
+}
+
 void LoopLane::Find(const LostFrame& lost) {
-  if (auto found = closer_.Relocalize(backend_, {lost.data, {}}, lost.timestamp_s)) {
-    const auto matches = static_cast<int>(found->matches.size());
-    KnownFrame known{lost.frame, lost.timestamp_s, lost.data, found->keyframe, found->camera_from_keyframe, {}};
-    known.points.assign(lost.data->size(), PointId{});
-    for (const auto& [keypoint, point] : found->matches) {
-      known.points[keypoint] = point;
-    }
-    place_.Publish(std::make_shared<const PlacedFrame>(PlacedFrame{std::move(known), std::move(found->map), matches}));
+  if (auto place = Place(lost)) {
+    place_.Publish(std::move(place));
   }
 }
 

@@ -47,11 +47,13 @@ struct PlaceWork {
   [[nodiscard]] bool IsIdle() const { return !HasWork() && !in_flight && !bundle_due && !adjusting; }
 };
 
-// Knows no thread. Find and Learn have one caller at a time; so has Adjust, which may run beside them.
+// Knows no thread. Place, Find and Learn have one caller at a time; so has Adjust, which may run beside them.
 class LoopLane {
  public:
   LoopLane(const Options& options, bool semantics, Backend& backend);
 
+  // Where in the map a frame was taken; null if that is not seen.
+  [[nodiscard]] std::shared_ptr<const PlacedFrame> Place(const LostFrame& lost);
   // Looks for a lost frame in all of the map; NewestPlace tells.
   void Find(const LostFrame& lost);
   // Makes a keyframe known by its looks and, unless there are more of them than can be looked at (`only_index`), sees

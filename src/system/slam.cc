@@ -147,11 +147,15 @@ SlamResult Slam::Impl::Finish() {
     startup_.End(front_end_);
   }
   executor_->Finish();
+  if (!lanes_->failure.Get()) {
+    front_end_.FindLost();
+  }
   SlamResult result;
   result.error = lanes_->failure.Get();
   result.worlds = lanes_->backend.Read([&](const Map& map) { return front_end_.trajectory().Resolve(map); });
   result.processed_frames = static_cast<int>(frames_);
   result.lost_frames = front_end_.trajectory().lost();
+  result.found_frames = front_end_.trajectory().found();
   FillSlamResult(*lanes_, &result);
   return result;
 }

@@ -231,6 +231,20 @@ TEST_P(SlamPlaces, APieceBegunElsewhereIsMergedWhereItIsSeenAgainAndNobodyJumps)
   }
 }
 
+// The second of patience before another world begins, once that is merged.
+TEST_P(SlamPlaces, FramesThatWereLostAreFoundInTheMapAsItIsAtTheEnd) {
+  const Tape tape = Tape().Show(1, 0, 45).Show(1, 45, 0).Show(1, 0, 20).Show(1, 110, 40).Show(1, 40, 110);
+  const Played played = Play(tape, GetParam());
+  const auto lost =
+      static_cast<int>(std::ranges::count(played.frames, TrackingState::kLost, &FrameResult::state));  // when they came
+  EXPECT_GE(lost, 25);
+  EXPECT_EQ(played.result.found_frames + played.result.lost_frames, lost);
+  EXPECT_GE(played.result.found_frames, lost - 2);
+  EXPECT_EQ(played.result.frames.size(), static_cast<std::size_t>(played.result.tracked_frames));
+  EXPECT_TRUE(std::ranges::is_sorted(played.result.frames, {}, &StampedPose::timestamp_s));
+  EXPECT_LT(AteOf(tape, played.result), 0.03);
+}
+
 TEST(SlamPlacesLockstep, WithoutPlacesALostCameraIsLookedForAroundItsLastPoseOnly) {
   Tape tape = Tape().Show(1, 0, 40).ShowMirrored(3, 0, 50);
   Options options = SmallOptions(true);

@@ -60,6 +60,7 @@ struct SlamResult {
   int processed_frames = 0;
   int tracked_frames = 0;
   int lost_frames = 0;
+  int found_frames = 0;             // of the tracked ones: lost when they came, found in the map at the end
   std::vector<double> local_ba_ms;  // one for each local bundle adjustment
   std::vector<LabelEvent> labels;   // in order of arrival
   int segmentation_failures = 0;    // keyframes whose request threw or gave no usable mask

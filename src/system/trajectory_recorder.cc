@@ -8,10 +8,25 @@ namespace rds {
 
 void TrajectoryRecorder::Add(FrameId frame, double timestamp_s, const TrackOutcome& outcome) {
   if (outcome.tracked) {
-    entries_.push_back({frame, timestamp_s, outcome.reference, outcome.camera_from_reference});
+    entries_.push_back({frame, timestamp_s, outcome.reference, outcome.camera_from_reference, false});
   } else if (!entries_.empty()) {
     ++lost_;
   }
+}
+
+void TrajectoryRecorder::AddFound(FrameId frame, double timestamp_s, KeyframeId reference,
+                                  const Rigid3& camera_from_reference) {
+  if (entries_.empty() || frame < entries_.front().frame) {
+    return;
+  }
+  entries_.insert(std::ranges::lower_bound(entries_, frame, {}, &Entry::frame),
+                  {frame, timestamp_s, reference, camera_from_reference, true});
+  --lost_;
+  ++found_;
+}
+
+bool TrajectoryRecorder::Has(FrameId frame) const {
+  return std::ranges::binary_search(entries_, frame, {}, &Entry::frame);
 }
 
 void TrajectoryRecorder::GiveUp(FrameId first, std::size_t last_frames) {
@@ -45,7 +60,8 @@ std::vector<WorldTrajectory> TrajectoryRecorder::Resolve(const Map& map) const {
       continue;
     }
     Rigid3 world_from_camera = raw(entry);
-    if (const auto drift = drifts.find(entry.reference); drift != drifts.end()) {
+    // What was found hangs on what it looks like, whenever that was.
+    if (const auto drift = drifts.find(entry.reference); !entry.found && drift != drifts.end()) {
       const auto& [start_s, end_s, correction] = drift->second;
       const double share = std::clamp((entry.timestamp_s - start_s) / (end_s - start_s), 0.0, 1.0);
       // About the camera, not the origin of the world.

@@ -24,16 +24,20 @@ struct WorldTrajectory {
 class TrajectoryRecorder {
  public:
   void Add(FrameId frame, double timestamp_s, const TrackOutcome& outcome);
+  // A frame that was lost when it was added, and where it was found since; nothing before the first with a pose.
+  void AddFound(FrameId frame, double timestamp_s, KeyframeId reference, const Rigid3& camera_from_reference);
   // The keyframe that the frame just added became, of a frame that started a world: its pose hangs on itself.
   void HangLastOn(KeyframeId keyframe) { entries_.back().reference = keyframe; }
   // Forgets the poses of a frame and of those after it. So many of the last frames are to come again, the others count
   // as lost.
   void GiveUp(FrameId first, std::size_t last_frames);
 
-  [[nodiscard]] bool Has(FrameId frame) const { return !entries_.empty() && entries_.back().frame == frame; }
+  [[nodiscard]] bool Has(FrameId frame) const;
   [[nodiscard]] bool empty() const { return entries_.empty(); }
   // Frames since the first tracked one that have no pose.
   [[nodiscard]] int lost() const { return lost_; }
+  // Of those with a pose, those that were found.
+  [[nodiscard]] int found() const { return found_; }
   // World poses as the map has them now, for each world that has any; ascending in time. The world with most frames
   // comes first, the older of equals.
   [[nodiscard]] std::vector<WorldTrajectory> Resolve(const Map& map) const;
@@ -44,10 +48,12 @@ class TrajectoryRecorder {
     double timestamp_s = 0;
     KeyframeId reference;
     Rigid3 camera_from_reference;
+    bool found = false;
   };
 
   std::vector<Entry> entries_;
   int lost_ = 0;
+  int found_ = 0;
 };
 
 }  // namespace rds
