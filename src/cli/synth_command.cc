@@ -35,6 +35,7 @@ constexpr const char* kFooter =
     "  rds synth --out room                                          people walking, 10 s\n"
     "  rds synth --out exact --scenario static --noise off           a test of the tracker alone\n"
     "  rds synth --out ring --scenario building --frames 2700        once round a building, and on where it began\n"
+    "  rds synth --out later --scenario building --path ring_back --decor 1 --frames 2700    the same, decorated anew\n"
     "  rds synth --out hall --scenario crowd --path halfsphere --frames 900 --seed 7\n";
 
 struct SynthArguments {
@@ -47,6 +48,8 @@ struct SynthArguments {
   std::optional<int> height;  // otherwise three quarters of the width
   std::optional<int> movers;  // otherwise as the scenario has it
   std::uint64_t seed = 1;
+  std::uint64_t decor = 0;
+  double depth_error = 0;
   bool alike = false;
 };
 
@@ -79,6 +82,8 @@ SyntheticOptions OptionsFrom(const SynthArguments& arguments) {
     options.path = SyntheticPath::kRing;
   }
   options.alike = arguments.alike;
+  options.decor = arguments.decor;
+  options.depth_error = arguments.depth_error;
   options.camera = MakeSyntheticCamera(arguments.width, arguments.height.value_or(arguments.width * 3 / 4));
   options.frames = arguments.frames;
   options.seed = arguments.seed;
@@ -157,6 +162,15 @@ void AddSynthCommand(CLI::App& app) {
                    fmt::format("Number of people, 0 to {}; default: as the scenario has it", kMaxSyntheticMovers))
       ->type_name("N");
   command->add_flag("--alike", arguments->alike, "In a building: all rooms and doors look the same");
+  command
+      ->add_option("--decor", arguments->decor,
+                   "In a building: another number, other pictures and furniture; default 0")
+      ->type_name("S");
+  command
+      ->add_option("--depth-error", arguments->depth_error,
+                   "The depth of each frame is off by a factor 1 + N(0, SHARE), beside the sensor's noise: a map that "
+                   "drifts; 0 to 0.1; default 0")
+      ->type_name("SHARE");
   command->add_option("--width", arguments->width, "Image width; default 640")->type_name("PIXELS");
   command->add_option("--height", arguments->height, "Image height; default: three quarters of the width")
       ->type_name("PIXELS");

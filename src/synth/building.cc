@@ -54,8 +54,8 @@ Painter Seeded(Painter painter, std::uint64_t seed) {
 
 class Builder {
  public:
-  Builder(std::uint64_t seed, bool alike, double texel_scale)
-      : builder_(seed, texel_scale), random_(seed ^ 0xB11D1E6ULL), alike_(alike) {}
+  Builder(std::uint64_t seed, const BuildingLook& look, double texel_scale)
+      : builder_(seed, texel_scale), random_(seed ^ 0xB11D1E6ULL), look_(look) {}
 
   Room Build() {
     for (std::size_t side = 0; side < kSides.size(); ++side) {
@@ -109,8 +109,12 @@ class Builder {
       const double size = random_.Uniform(0.3, 0.6);
       const double up = random_.Uniform(0.9, 1.9) - 0.5 * kHeight;
       Panel(center + at * right + up * kUpward + 0.012 * normal, normal, size, size * random_.Uniform(0.8, 1.4),
-            PaintPoster, random_.Bits(), kUpward, 0.003);
+            PaintPoster, Decorated(random_.Bits()), kUpward, 0.003);
     }
+  }
+
+  [[nodiscard]] std::uint64_t Decorated(std::uint64_t seed) const {
+    return seed ^ (look_.decor * 0x9E3779B97F4A7C15ULL);
   }
 
   // A room that opens to the corridor on the outside of it.
@@ -158,7 +162,7 @@ class Builder {
     double from = -outer;
     for (const double along : {-room, room}) {
       OuterWall(side, from, along - 0.5 * kRoomWidth, has_plain);
-      BuildRoom(side, along, alike_ ? 4711 : random_.Bits());
+      BuildRoom(side, along, Decorated(look_.alike ? 4711 : random_.Bits()));
       from = along + 0.5 * kRoomWidth;
     }
     OuterWall(side, from, outer, has_plain);
@@ -173,7 +177,7 @@ class Builder {
           [](Canvas& canvas, Random& random) {
             PaintWood(canvas, random, {92, 136, 178});
           },
-          alike_ ? 42 : random_.Bits());
+          look_.alike ? 42 : random_.Bits());
     }
   }
 
@@ -204,15 +208,15 @@ class Builder {
 
   RoomBuilder builder_;
   Random random_;
-  bool alike_;
+  BuildingLook look_;
 };
 
 double Sway(double time_s, double period_s) { return std::sin(2 * kPi * time_s / period_s); }
 
 }  // namespace
 
-Room BuildBuilding(std::uint64_t seed, bool alike, double texel_scale) {
-  return Builder(seed, alike, texel_scale).Build();
+Room BuildBuilding(std::uint64_t seed, const BuildingLook& look, double texel_scale) {
+  return Builder(seed, look, texel_scale).Build();
 }
 
 double RingLength() { return 4 * (kHalfX + kHalfY) - 8 * kCorner + 2 * kPi * kCorner; }

@@ -12,9 +12,13 @@
 namespace rds::synthetic {
 
 // Corridors about a rectangle, 64 m once round their middle, with eight rooms that open to them on the outside. World
-// frame: z up, origin on the floor in the middle, meters. One stretch of three meters has no texture at all. `alike`:
-// all rooms, and all doors, look the same in shape and color; `texel_scale` as in BuildRoom.
-Room BuildBuilding(std::uint64_t seed, bool alike, double texel_scale);
+// frame: z up, origin on the floor in the middle, meters. One stretch of three meters has no texture at all.
+struct BuildingLook {
+  bool alike = false;       // all rooms, and all doors, look the same in shape and color
+  std::uint64_t decor = 0;  // pictures, furniture, the rooms' wallpaper; corridors, floors and doors are the seed's
+};
+// `texel_scale` as in BuildRoom.
+Room BuildBuilding(std::uint64_t seed, const BuildingLook& look, double texel_scale);
 
 // Where a walk along the corridors' middle is after so many meters, counterclockwise from the middle of one of them;
 // corners are rounded. `heading`: the direction of the way, radians from x to y.

@@ -80,7 +80,7 @@ TEST(Building, RoomsThatAreAlikeLookTheSame) {
   options.movers = 0;
   const auto deviation = [&](bool alike) {
     options.alike = alike;
-    const Room building = BuildBuilding(options.seed, alike, 2);
+    const Room building = BuildBuilding(options.seed, {.alike = alike}, 2);
     // The panels of the rooms' back walls: 3.2 m wide, full height.
     std::vector<const Quad*> backs;
     for (const Quad& quad : building.scene.quads) {
@@ -102,6 +102,26 @@ TEST(Building, RoomsThatAreAlikeLookTheSame) {
   EXPECT_GT(deviation(false), 0);
 }
 
+TEST(Building, DecoratedAnewKeepsItsWallsAndChangesPicturesAndFurniture) {
+  const Room before = BuildBuilding(1, {}, 2.5);
+  const Room after = BuildBuilding(1, {.decor = 1}, 2.5);
+  ASSERT_EQ(before.scene.quads.size(), after.scene.quads.size());
+  int same = 0;
+  int changed = 0;
+  for (std::size_t i = 0; i < before.scene.quads.size(); ++i) {
+    const Quad& a = before.scene.quads[i];
+    const Quad& b = after.scene.quads[i];
+    const bool is_alike = a.width == b.width && a.height == b.height && a.texture->width() == b.texture->width() &&
+                          a.texture->Sample(9.5F, 9.5F, 0)[1] == b.texture->Sample(9.5F, 9.5F, 0)[1] &&
+                          a.texture->Sample(20.5F, 30.5F, 0)[0] == b.texture->Sample(20.5F, 30.5F, 0)[0];
+    const bool is_wall = std::max(a.width, a.height) > 2.0 && std::min(a.width, a.height) > 1.0;
+    same += is_wall && is_alike ? 1 : 0;
+    changed += !is_wall && !is_alike ? 1 : 0;
+  }
+  EXPECT_GT(same, 40);
+  EXPECT_GT(changed, 60);
+}
+
 TEST(Building, HasPathsOfItsOwn) {
   SyntheticOptions options = Small();
   options.path = SyntheticPath::kOrbit;
@@ -111,6 +131,9 @@ TEST(Building, HasPathsOfItsOwn) {
   EXPECT_THROW(Validate(options), InputError);
   options = SyntheticOptions{};
   options.alike = true;
+  EXPECT_THROW(Validate(options), InputError);
+  options = SyntheticOptions{};
+  options.decor = 1;
   EXPECT_THROW(Validate(options), InputError);
 }
 

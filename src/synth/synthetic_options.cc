@@ -119,12 +119,18 @@ void Validate(const SyntheticOptions& options) {
     throw InputError("movers: " + std::to_string(options.movers) + " is out of range (0 to " +
                      std::to_string(kMaxSyntheticMovers) + ")");
   }
+  if (!(options.depth_error >= 0 && options.depth_error <= 0.1)) {
+    throw InputError("depth error: " + std::to_string(options.depth_error) + " is out of range (0 to 0.1)");
+  }
   const bool is_ring = options.path == SyntheticPath::kRing || options.path == SyntheticPath::kRingBack;
   if (is_ring != (options.scenario == SyntheticScenario::kBuilding)) {
     throw InputError("the paths ring and ring_back are those of the scenario 'building', and the only ones there");
   }
   if (options.alike && options.scenario != SyntheticScenario::kBuilding) {
     throw InputError("alike: only the scenario 'building' has rooms that can look the same");
+  }
+  if (options.decor != 0 && options.scenario != SyntheticScenario::kBuilding) {
+    throw InputError("decor: only the scenario 'building' can be decorated anew");
   }
   const bool has_people =
       options.scenario != SyntheticScenario::kStatic && options.scenario != SyntheticScenario::kCarried;

@@ -41,9 +41,11 @@ struct SyntheticOptions {
   SyntheticPath path = SyntheticPath::kOrbit;
   int frames = 300;  // >= 1, at 30 Hz
   std::uint64_t seed = 1;
-  bool noise = true;   // sensor noise of color and depth; without, both are exact at any range
-  int movers = -1;     // 0 to 12; -1: as many as the scenario has of itself
-  bool alike = false;  // kBuilding: all rooms and doors look the same
+  bool noise = true;        // sensor noise of color and depth; without, both are exact at any range
+  int movers = -1;          // 0 to 12; -1: as many as the scenario has of itself
+  bool alike = false;       // kBuilding: all rooms and doors look the same
+  std::uint64_t decor = 0;  // kBuilding: pictures and furniture; the rest follows from the seed
+  double depth_error = 0;   // the depth of each frame is off by a factor 1 + N(0, depth_error); 0 to 0.1
 };
 
 inline constexpr int kMaxSyntheticMovers = 12;

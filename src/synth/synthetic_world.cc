@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/random.h"
 #include "synth/building.h"
 #include "synth/camera_path.h"
 #include "synth/carried_board.h"
@@ -30,7 +31,7 @@ struct SyntheticWorld::Impl {
   static synthetic::Room BuildStage(const SyntheticOptions& options) {
     const double texel_scale = std::clamp(640.0 / options.camera.width, 1.0, 2.5);
     return options.scenario == SyntheticScenario::kBuilding
-               ? synthetic::BuildBuilding(options.seed, options.alike, texel_scale)
+               ? synthetic::BuildBuilding(options.seed, {options.alike, options.decor}, texel_scale)
                : synthetic::BuildRoom(options.seed, texel_scale);
   }
   [[nodiscard]] std::vector<synthetic::Mover> PlanPeople() const {
@@ -81,6 +82,12 @@ SyntheticFrame SyntheticWorld::Render(int index) const {
   synthetic::Drawing drawing = synthetic::Draw(scene, camera, frame.world_from_camera.Inverse());
   const bool noise = impl_->options.noise;
   const std::uint64_t seed = (impl_->options.seed * 0x9E3779B97F4A7C15ULL) ^ (static_cast<std::uint64_t>(index) << 20);
+  if (impl_->options.depth_error > 0) {
+    const auto factor = static_cast<float>(Random(~seed).Gaussian(1, impl_->options.depth_error));
+    for (float& depth_m : drawing.depth_m) {
+      depth_m *= factor;
+    }
+  }
   frame.rgbd.timestamp_s = time_s;
   frame.rgbd.image = std::make_shared<const Image8>(
       synthetic::MeasureColor(drawing.color, camera, noise ? synthetic::kColorSigma : 0.0, seed));

@@ -3,10 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <opencv2/features2d.hpp>
 #include <opencv2/imgproc.hpp>
 #include <optional>
+#include <vector>
 
 #include "base/error.h"
 #include "testing/matchers.h"
@@ -52,6 +54,28 @@ TEST(SyntheticWorld, SeedAndNoiseChangeThePictures) {
   EXPECT_THAT(one.world_from_camera, RigidNear(exact.world_from_camera, 1e-12, 1e-12));
   EXPECT_EQ(std::count(exact.rgbd.depth->data.begin(), exact.rgbd.depth->data.end(), 0), 0);
   EXPECT_GT(std::count(one.rgbd.depth->data.begin(), one.rgbd.depth->data.end(), 0), 1000);
+}
+
+TEST(SyntheticWorld, DepthIsOffByAFactorForEachFrame) {
+  SyntheticOptions options = Small(SyntheticScenario::kStatic, SyntheticPath::kXyz);
+  options.noise = false;
+  const SyntheticWorld exact(options);
+  options.depth_error = 0.02;
+  const SyntheticWorld off(options);
+  std::vector<double> factors;
+  for (int i = 0; i < 12; ++i) {
+    const SyntheticFrame a = exact.Render(i);
+    const SyntheticFrame b = off.Render(i);
+    EXPECT_EQ(a.rgbd.image->data, b.rgbd.image->data);
+    factors.push_back(static_cast<double>(b.rgbd.depth->At(160, 120)) / a.rgbd.depth->At(160, 120));
+    EXPECT_NEAR(static_cast<double>(b.rgbd.depth->At(20, 200)) / a.rgbd.depth->At(20, 200), factors.back(), 1e-3);
+  }
+  const auto [least, most] = std::ranges::minmax(factors);
+  EXPECT_GT(most - least, 0.01);
+  EXPECT_GT(least, 0.9);
+  EXPECT_LT(most, 1.1);
+  options.depth_error = 0.2;
+  EXPECT_THROW(Validate(options), InputError);
 }
 
 TEST(SyntheticWorld, TimestampsAreThirtyHertz) {

@@ -1,0 +1,219 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Measures what is made of places that are seen again: kidnapped cameras, loops, second sessions.
+
+    scripts/measure_places.py --out DIR [--kitchen FOLDER] [--seeds N] [STUDY...]
+
+Makes sequences below DIR (`rds synth --scenario building`, scripts/rearrange_sequence.py), runs `rds run` on each, in
+lockstep unless --threaded says how many runs there are of each, and writes DIR/runs.csv and DIR/summary.md. What is there
+already is not run again. A run is wrong if a pose of its largest world is off by more than 0.35 m.
+
+Studies of the kitchen (--kitchen: folder with kitchen_static, kitchen_walking, kitchen_crowd):
+  kidnap_nobody, kidnap_walking, kidnap_crowd      frames 0 to 400, the lens covered for two seconds, 700 to 1000, 0 to 200
+  pieces_nobody, pieces_walking, pieces_crowd      five pieces in random order; the seed is that of the order
+of the building, whose rooms, pictures and noise are the seed's:
+  ring          once round and on where it began; with and without loops
+  ring_walking  the same with four people, exact masks 200 ms late
+  drift_005, drift_02   the same with depth off by 0.5 and 2 % (standard deviation) from frame to frame
+  alike         all rooms and doors look the same
+  back          a second session the other way round
+  redecorated   a second session with other pictures and furniture
+  covered       the lens is covered for one and a half and for four seconds
+"""
+import argparse
+import concurrent.futures
+import csv
+import json
+import pathlib
+import random
+import statistics
+import subprocess
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+ROUND = 2322  # frames once round the building
+WRONG_M = 0.35
+MASKS = ["--segmenter", "stored", "--set", "semantic.stored.delay_ms=200"]
+KITCHEN = {"nobody": "kitchen_static", "walking": "kitchen_walking", "crowd": "kitchen_crowd"}
+STUDIES = [f"{kind}_{who}" for kind in ("kidnap", "pieces") for who in KITCHEN] + [
+    "ring", "ring_walking", "drift_005", "drift_02", "alike", "back", "redecorated", "covered"]
+COMPARED = {"ring", "ring_walking", "drift_005", "drift_02"}  # with runs without loops
+
+
+class Sequences:
+    """Makes what the studies need, once."""
+
+    def __init__(self, arguments):
+        self.arguments = arguments
+        self.folder = arguments.out / "sequences"
+
+    def synth(self, name, *options):
+        folder = self.folder / name
+        if not (folder / "groundtruth.txt").exists():
+            run([self.arguments.rds, "synth", "--out", folder, "--scenario", "building", "--width",
+                 str(self.arguments.width), *options])
+        return folder
+
+    def ring(self, seed, name="ring", *options, people=False, frames=ROUND + 380):
+        return self.synth(f"{name}-{seed}", "--seed", str(seed), "--movers", "4" if people else "0", "--frames", str(frames),
+                          *options)
+
+    def rearranged(self, name, source, pieces):
+        folder = self.folder / name
+        if not (folder / "pieces.txt").exists():
+            run([sys.executable, ROOT / "scripts" / "rearrange_sequence.py", source, folder, *pieces])
+            camera = source / "camera.yaml"
+            if camera.exists():
+                (folder / "camera.yaml").write_text(camera.read_text())
+        return folder
+
+    def make(self, study, seed):
+        """Folder of the sequence, and where in it the camera is somewhere else at once."""
+        kind, _, who = study.partition("_")
+        if kind in ("kidnap", "pieces"):
+            if self.arguments.kitchen is None:
+                sys.exit(f"{study}: wants --kitchen FOLDER")
+            pieces = ["0:400", "black:60", "700:1000", "0:200"]
+            if kind == "pieces":
+                order = list(range(5))
+                random.Random(seed).shuffle(order)
+                pieces = [f"{200 * i}:{200 * i + 200}" for i in order]
+            return self.rearranged(f"{study}-{seed}", self.arguments.kitchen / KITCHEN[who], pieces), cuts(pieces)
+        if study == "ring_walking":
+            return self.ring(seed, study, people=True), []
+        if kind == "drift":
+            return self.ring(seed, study, "--depth-error", {"005": "0.005", "02": "0.02"}[who]), []
+        if study == "alike":
+            return self.ring(seed, study, "--alike"), []
+        ring = self.ring(seed)
+        if study == "covered":
+            pieces = ["0:500", "black:45", "530:1300", "black:120", f"1400:{ROUND + 380}"]
+        elif study == "back":
+            pieces = [f"0:{ROUND}", "black:15", f"{self.ring(seed, study, '--path', 'ring_back')}@0:{ROUND}"]
+        elif study == "redecorated":
+            pieces = [f"0:{ROUND}", "black:15", f"{self.ring(seed, study, '--decor', '1')}@0:{ROUND}"]
+        else:
+            return ring, []
+        return self.rearranged(f"{study}-joined-{seed}", ring, pieces), cuts(pieces)
+
+
+def run(command):
+    done = subprocess.run([str(word) for word in command], capture_output=True, text=True)
+    if done.returncode not in (0, 3):  # 3: nothing was tracked
+        sys.exit(f"{' '.join(str(word) for word in command)}: exit code {done.returncode}\n{done.stderr[-2000:]}")
+
+
+def cuts(pieces):
+    """First frames that show something after a jump."""
+    found, at = [], 0
+    for piece in pieces:
+        first, _, last = piece.rpartition("@")[2].partition(":")
+        if first == "black":
+            at += int(last)
+            continue
+        if at > 0:
+            found.append(at)
+        at += abs(int(last) - int(first))
+    return found
+
+
+def lost_after(folder, jumps):
+    """Frames on end without a pose from each jump on."""
+    with (folder / "frames.csv").open() as file:
+        states = [row["state"] for row in csv.DictReader(file)]
+    counts = []
+    for jump in jumps:
+        count = 0
+        while jump + count < len(states) and states[jump + count] != "tracked":
+            count += 1
+        counts.append(count)
+    return counts
+
+
+def measure(arguments, sequences, study, seed, repetition, loops):
+    sequence, jumps = sequences.make(study, seed)
+    name = f"{seed}" + ("" if loops else "-noloops") + (f"-{repetition}" if arguments.threaded else "")
+    folder = arguments.out / "runs" / study / name
+    if not (folder / "report.json").exists():
+        camera = sequence / "camera.yaml"
+        people = study.endswith(("walking", "crowd"))
+        command = [arguments.rds, "run", sequence, "--out", folder, "--camera", camera if camera.exists() else "redkitchen"]
+        command += (arguments.options.split() or MASKS) if people else ["--segmenter", "none"]
+        command += [] if arguments.threaded else ["--lockstep"]
+        command += [] if loops else ["--set", "loop.enabled=false"]
+        run(command)
+    report = json.loads((folder / "report.json").read_text())
+    accuracy = report["ate_m"] or {}
+    return {"study": study, "seed": seed, "run": repetition, "loop lane": int(loops), "frames": report["frames"],
+            "tracked": report["tracked"], "found": report["found"], "coverage": round(report["coverage"], 4),
+            "worlds": len(report["worlds"]), "loops": report["loops"], "relocalizations": report["relocalizations"],
+            "merges": report["merges"], "ate_m": accuracy.get("rmse"), "max_m": accuracy.get("max"),
+            "lost_after_cuts": " ".join(str(count) for count in lost_after(folder, jumps))}
+
+
+def spread(values, form="{:.4f}"):
+    values = [value for value in values if value is not None]
+    if not values:
+        return "-"
+    return f"{form} ({form} to {form})".format(statistics.median(values), min(values), max(values))
+
+
+def summarize(rows):
+    lines = ["| study | runs | worlds 1 | coverage | lost after cuts: to 3 frames, more | loops, merges, relocalizations | "
+             "ATE, m | without loops | largest error, m | wrong |", "|---|---|---|---|---|---|---|---|---|---|"]
+    for study in dict.fromkeys(row["study"] for row in rows):
+        mine = [row for row in rows if row["study"] == study and row["loop lane"]]
+        other = [row["ate_m"] for row in rows if row["study"] == study and not row["loop lane"]]
+        lost = [int(count) for row in mine for count in row["lost_after_cuts"].split()]
+        events = ", ".join(str(sum(row[kind] for row in mine)) for kind in ("loops", "merges", "relocalizations"))
+        lines.append(f"| {study} | {len(mine)} | {sum(row['worlds'] == 1 for row in mine)} | "
+                     f"{spread([row['coverage'] for row in mine], '{:.3f}')} | "
+                     f"{sum(count <= 3 for count in lost)}, {sum(count > 3 for count in lost)} | {events} | "
+                     f"{spread([row['ate_m'] for row in mine])} | {spread(other)} | "
+                     f"{spread([row['max_m'] for row in mine], '{:.3f}')} | "
+                     f"{sum((row['max_m'] or 0) > WRONG_M for row in mine)} |")
+    return "\n".join(lines) + "\n"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("studies", nargs="*", metavar="STUDY", help=f"default: all; {', '.join(STUDIES)}")
+    parser.add_argument("--out", type=pathlib.Path, required=True)
+    parser.add_argument("--kitchen", type=pathlib.Path)
+    parser.add_argument("--seeds", type=int, default=20)
+    parser.add_argument("--rds", type=pathlib.Path, default=ROOT / "build" / "release" / "rds")
+    parser.add_argument("--threaded", type=int, default=0, metavar="RUNS", help="at the recorded rate, so many of each")
+    parser.add_argument("--options", default="", help=f"of `rds run` where there are people; default: {' '.join(MASKS)}")
+    parser.add_argument("--width", type=int, default=320, help="of the building's images")
+    parser.add_argument("--jobs", type=int, default=1, help="runs at once, in lockstep only")
+    arguments = parser.parse_args()
+    studies = arguments.studies or [study for study in STUDIES if arguments.kitchen or study.partition("_")[0] not in
+                                    ("kidnap", "pieces")]
+    if unknown := set(studies) - set(STUDIES):
+        sys.exit(f"unknown: {', '.join(sorted(unknown))}; there are {', '.join(STUDIES)}")
+    sequences = Sequences(arguments)
+    work = [(study, seed, repetition, loops) for study in studies
+            for seed in range(1, 2 if study.startswith("kidnap") else arguments.seeds + 1)
+            for repetition in range(1, max(1, arguments.threaded) + 1)
+            for loops in ((True, False) if study in COMPARED else (True,))]
+    for study, seed, _, _ in work:  # one after the other: studies share them
+        sequences.make(study, seed)
+        print(f"\r{study}, {seed}: made    ", end="", file=sys.stderr, flush=True)
+    rows = []
+    jobs = 1 if arguments.threaded else arguments.jobs
+    with concurrent.futures.ThreadPoolExecutor(jobs) as executor:
+        futures = [executor.submit(measure, arguments, sequences, *item) for item in work]
+        for count, (item, future) in enumerate(zip(work, futures), 1):
+            rows.append(future.result())
+            print(f"\r{count} of {len(work)}: {item[0]}, {item[1]}    ", end="", file=sys.stderr, flush=True)
+    print(file=sys.stderr)
+    with (arguments.out / "runs.csv").open("w", newline="") as file:
+        writer = csv.DictWriter(file, rows[0].keys())
+        writer.writeheader()
+        writer.writerows(rows)
+    (arguments.out / "summary.md").write_text(summarize(rows))
+    print(summarize(rows), end="")
+
+
+if __name__ == "__main__":
+    main()
