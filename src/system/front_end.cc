@@ -7,7 +7,7 @@
 namespace rds {
 namespace {
 
-constexpr std::size_t kMostLost = 300;  // frames that are kept to be found at the end: 45 MB
+constexpr std::size_t kMostLost = 150;  // frames that are kept to be found at the end: 20 MB, some seconds
 
 }  // namespace
 
@@ -121,8 +121,8 @@ void FrontEnd::AskForPlace(const IncomingFrame& frame) {
 
 void FrontEnd::FindLost() {
   for (const LostFrame& lost : lost_frames_) {
-    if (trajectory_.Has(lost.frame)) {
-      continue;  // it was tracked again
+    if (trajectory_.Has(lost.frame) || !trajectory_.HasAfter(lost.frame)) {
+      continue;  // it was tracked again, or the map has learned nothing since
     }
     if (const auto place = lanes_.loops.Place(lost)) {
       trajectory_.AddFound(lost.frame, lost.timestamp_s, place->frame.reference, place->frame.camera_from_reference);

@@ -257,6 +257,8 @@ TEST(TrajectoryRecorder, AFrameThatIsFoundHangsOnWhatItLooksLike) {
   recorder.AddFound(FrameId{3}, 0.3, first, found);
   EXPECT_TRUE(recorder.Has(FrameId{3}));
   EXPECT_FALSE(recorder.Has(FrameId{2}));
+  EXPECT_TRUE(recorder.HasAfter(FrameId{7}));
+  EXPECT_FALSE(recorder.HasAfter(FrameId{8}));
   EXPECT_EQ(recorder.found(), 1);
   EXPECT_EQ(recorder.lost(), 1);
   // What the second keyframe was corrected by is no matter of a frame that was found.

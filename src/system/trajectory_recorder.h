@@ -33,6 +33,7 @@ class TrajectoryRecorder {
   void GiveUp(FrameId first, std::size_t last_frames);
 
   [[nodiscard]] bool Has(FrameId frame) const;
+  [[nodiscard]] bool HasAfter(FrameId frame) const { return !entries_.empty() && entries_.back().frame > frame; }
   [[nodiscard]] bool empty() const { return entries_.empty(); }
   // Frames since the first tracked one that have no pose.
   [[nodiscard]] int lost() const { return lost_; }
