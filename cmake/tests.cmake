@@ -35,7 +35,7 @@ foreach(folder base geometry optim feature segmentation map semantic propagation
   endif()
   if(RDS_SANITIZE)  # few processes: scenes are rendered once in each, which is slow there
     set(shards 1)
-    if(folder STREQUAL "synth")
+    if(folder MATCHES "^(synth|system)$")  # long ones, on two cores
       set(shards 2)
     endif()
     set(arguments "")
@@ -45,7 +45,7 @@ foreach(folder base geometry optim feature segmentation map semantic propagation
     foreach(shard RANGE 1 ${shards})
       math(EXPR index "${shard} - 1")
       add_test(NAME ${folder}.${shard} COMMAND ${program} ${arguments})
-      set_tests_properties(${folder}.${shard} PROPERTIES LABELS ${folder} TIMEOUT 900
+      set_tests_properties(${folder}.${shard} PROPERTIES LABELS ${folder} TIMEOUT 1800
         ENVIRONMENT "${RDS_TEST_ENVIRONMENT};GTEST_TOTAL_SHARDS=${shards};GTEST_SHARD_INDEX=${index}")
     endforeach()
   else()
