@@ -54,9 +54,9 @@ class Sequences:
                  str(self.arguments.width), *options])
         return folder
 
-    def ring(self, seed, name="ring", *options, people=False, frames=ROUND + 380):
-        return self.synth(f"{name}-{seed}", "--seed", str(seed), "--movers", "4" if people else "0", "--frames", str(frames),
-                          *options)
+    def ring(self, seed, name="ring", *options, people=False):
+        return self.synth(f"{name}-{seed}", "--seed", str(seed), "--movers", "4" if people else "0",
+                          "--frames", str(ROUND + 380), *options)
 
     def rearranged(self, name, source, pieces):
         folder = self.folder / name

@@ -148,7 +148,11 @@ SlamResult Slam::Impl::Finish() {
   }
   executor_->Finish();
   if (!lanes_->failure.Get()) {
-    front_end_.FindLost();
+    try {
+      front_end_.FindLost();
+    } catch (...) {  // what was tracked is given all the same
+      lanes_->failure.Set(std::current_exception());
+    }
   }
   SlamResult result;
   result.error = lanes_->failure.Get();
