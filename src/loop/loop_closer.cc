@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <unordered_map>
 #include <utility>
 
 #include "base/log.h"
@@ -16,7 +17,8 @@ namespace {
 constexpr std::size_t kLoopCandidates = 3;
 constexpr std::size_t kRelocalizationCandidates = 5;
 constexpr std::size_t kClearMatches = 100;  // with so many no other candidate is tried
-constexpr std::size_t kAround = 10;         // best covisible keyframes of each covisible one
+constexpr int kSharedAround = 5;            // points that tie a keyframe to another
+constexpr std::size_t kAround = 10;         // best covisible keyframes of each that is tied
 constexpr std::size_t kWitnesses = 2;       // that are asked
 constexpr PlaceBounds kWitnessBounds{20, 0.85, 100};
 constexpr std::size_t kWeld = 15;  // covisible keyframes on which points are fused
@@ -128,11 +130,23 @@ std::optional<LoopCloser::Subject> LoopCloser::Describe(const MapAccess& map, Ke
     if (keyframe == nullptr) {
       return std::nullopt;
     }
-    Subject subject{id, {keyframe->data, keyframe->labels}, keyframe->world, keyframe->camera_from_world, {id}, {}};
-    for (const Covisible& edge : keyframe->covisible) {
-      subject.around.insert(edge.keyframe);
-      for (const KeyframeId second : locked.BestCovisible(edge.keyframe, kAround)) {
-        subject.around.insert(second);
+    Subject subject{id, {keyframe->data, keyframe->labels}, keyframe->world, keyframe->camera_from_world, {}, {id}, {}};
+    std::unordered_map<KeyframeId, int> shared;
+    for (const PointId point : keyframe->points) {
+      if (point.valid()) {
+        subject.points.push_back(point);
+        for (const Observation& observation : locked.At(point).observations) {
+          ++shared[observation.keyframe];
+        }
+      }
+    }
+    std::ranges::sort(subject.points);
+    for (const auto& [tied, points] : shared) {
+      if (points >= kSharedAround) {
+        subject.around.insert(tied);
+        for (const KeyframeId second : locked.BestCovisible(tied, kAround)) {
+          subject.around.insert(second);
+        }
       }
     }
     if (keyframe->parent.valid()) {
@@ -152,7 +166,7 @@ std::optional<PlaceFound> LoopCloser::FindAgain(const MapAccess& map, const Subj
     });
   });
   for (const KeyframeId candidate : candidates) {
-    const auto plan = map.Read([&](const Map& locked) { return PlanPlace(locked, candidate); });
+    const auto plan = map.Read([&](const Map& locked) { return PlanPlace(locked, candidate, subject.points); });
     auto found = plan ? VerifyPlace(subject.query, *plan, pyramid_, pose_) : std::nullopt;
     if (!found || !IsWithin(*found, kLoopBounds)) {
       continue;

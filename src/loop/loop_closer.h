@@ -38,9 +38,9 @@ class LoopCloser {
   // Where in the map, in whatever world, a frame was taken. Where few matches say so, only once the frame asked for
   // before, not long ago, was found beside it.
   [[nodiscard]] std::optional<PlaceFound> Relocalize(const MapAccess& map, const PlaceQuery& query, double timestamp_s);
-  // Looks for the place of a keyframe elsewhere in the map: in its own world among what is not covisible with it and
-  // around it, which is a loop, or in another, which is merged. Both need a witness: a keyframe beside it whose pose is
-  // confirmed by what that implies. Corrects the map.
+  // Looks for the place of a keyframe elsewhere in the map: in its own world among what is not tied to it by points
+  // that both see, which is a loop, or in another, which is merged. Points that it sees already do not count. Both need
+  // a witness: a keyframe beside it whose pose is confirmed by what that implies. Corrects the map.
   [[nodiscard]] std::optional<Closure> Close(MapAccess& map, KeyframeId keyframe);
   // Full bundle adjustment of a world, on a copy; nothing of it is kept if `stop` says so or if many poses of the map
   // have changed since. Whether it was applied. May run beside the rest.
@@ -59,7 +59,8 @@ class LoopCloser {
     PlaceQuery query;
     WorldId world;
     Rigid3 camera_from_world;
-    std::unordered_set<KeyframeId> around;  // what tracking sees anyway
+    std::vector<PointId> points;            // that it sees, ascending
+    std::unordered_set<KeyframeId> around;  // what shares points with it, and what shares most with those
     std::vector<KeyframeId> witnesses;      // best covisible ones
   };
 

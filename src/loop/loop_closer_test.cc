@@ -69,6 +69,16 @@ TEST(LoopCloser, ClosesARingWhateverItsDrift) {
   }
 }
 
+TEST(LoopCloser, APlaceThatIsTiedByPointsIsNotFoundAgain) {
+  Scene scene({.turn_rad = 0.001});
+  scene.Learn(scene.world.AddTo(scene.map, 0, 160));
+  ASSERT_FALSE(scene.closures.empty());
+  for (const Closure& closure : scene.closures) {
+    const auto again = scene.closer.Close(scene.access, closure.keyframe);
+    EXPECT_FALSE(again && again->place == closure.place) << closure.keyframe.value;
+  }
+}
+
 TEST(LoopCloser, WithoutARevisitThereIsNoLoop) {
   Scene scene({.keyframes = 130, .rounds = 0.9, .turn_rad = 0.002});
   scene.Learn(scene.world.AddTo(scene.map, 0, 130));

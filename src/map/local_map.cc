@@ -2,7 +2,10 @@
 #include "map/local_map.h"
 
 #include <algorithm>
+#include <array>
+#include <bitset>
 #include <numeric>
+#include <unordered_map>
 #include <unordered_set>
 
 #include "base/error.h"
@@ -40,6 +43,49 @@ std::vector<KeyframeId> SelectKeyframes(const Map& map, KeyframeId center, const
   return chosen;
 }
 
+// The points of some keyframes, and where each is among them in ascending order: a bit for each id, by pages.
+class PointSet {
+ public:
+  PointSet(const Map& map, std::span<const KeyframeId> keyframes) {
+    for (const KeyframeId keyframe : keyframes) {
+      for (const PointId point : map.At(keyframe).points) {
+        if (point.valid()) {
+          pages_[point.index() / kIdsPerPage].ids.set(point.index() % kIdsPerPage);
+        }
+      }
+    }
+    std::vector<std::size_t> numbers;
+    for (const auto& [number, page] : pages_) {
+      numbers.push_back(number);
+    }
+    std::ranges::sort(numbers);
+    for (const std::size_t number : numbers) {
+      Page& page = pages_[number];
+      for (std::size_t i = 0; i < kIdsPerPage; ++i) {
+        page.place[i] = static_cast<std::uint32_t>(ids_.size());
+        if (page.ids[i]) {
+          ids_.emplace_back(static_cast<std::uint32_t>(number * kIdsPerPage + i));
+        }
+      }
+    }
+  }
+
+  // Ascending.
+  [[nodiscard]] const std::vector<PointId>& Ids() const { return ids_; }
+  // The point must be one of them.
+  [[nodiscard]] std::uint32_t IndexOf(PointId point) const {
+    return pages_.at(point.index() / kIdsPerPage).place[point.index() % kIdsPerPage];
+  }
+
+ private:
+  struct Page {
+    std::bitset<kIdsPerPage> ids;
+    std::array<std::uint32_t, kIdsPerPage> place;  // of the first point that is not below each id
+  };
+  std::unordered_map<std::size_t, Page> pages_;
+  std::vector<PointId> ids_;
+};
+
 void AppendPoint(const MapPoint& point, LocalMap* local) {
   local->ids.push_back(point.id);
   local->x.push_back(static_cast<float>(point.position.x()));
@@ -59,17 +105,8 @@ void AppendPoint(const MapPoint& point, LocalMap* local) {
 std::shared_ptr<const LocalMap> BuildLocalMap(const Map& map, KeyframeId center, const LocalMapOptions& options) {
   auto local = std::make_shared<LocalMap>();
   const std::vector<KeyframeId> chosen = SelectKeyframes(map, center, options);
-  std::vector<PointId> ids;
-  for (const KeyframeId id : chosen) {
-    for (const PointId point : map.At(id).points) {
-      if (point.valid()) {
-        ids.push_back(point);
-      }
-    }
-  }
-  std::ranges::sort(ids);
-  const auto rest = std::ranges::unique(ids);
-  ids.erase(rest.begin(), rest.end());
+  const PointSet points(map, chosen);
+  const std::vector<PointId>& ids = points.Ids();
   const std::size_t enough_observations = map.keyframes().size() <= 2 ? 1 : 2;
   for (const PointId id : ids) {
     const MapPoint& point = map.At(id);
@@ -81,8 +118,7 @@ std::shared_ptr<const LocalMap> BuildLocalMap(const Map& map, KeyframeId center,
     LocalKeyframe copy{id, keyframe.frame, keyframe.camera_from_world, keyframe.data, {}};
     for (std::size_t i = 0; i < keyframe.points.size(); ++i) {
       if (keyframe.points[i].valid()) {
-        const auto place = std::ranges::lower_bound(ids, keyframe.points[i]) - ids.begin();
-        copy.links.push_back({static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(place)});
+        copy.links.push_back({static_cast<std::uint32_t>(i), points.IndexOf(keyframe.points[i])});
       }
     }
     local->keyframes.push_back(std::move(copy));

@@ -34,7 +34,7 @@ std::vector<PointMatch> MatchByAppearance(const PlaceQuery& query, const PlaceCa
   const std::span<const Descriptor> descriptors = query.data->descriptors();
   MatchSet set(query.data->size());
   for (const std::uint32_t point : candidate.points) {
-    if (candidate.is_dynamic[point] != 0) {
+    if (candidate.left_out[point] != 0) {
       continue;
     }
     int best = 257;
@@ -86,12 +86,14 @@ Estimate Optimized(const PlaceQuery& query, const LocalMap& map, const Rigid3& i
 }
 
 // One flag for each point.
-std::vector<std::uint8_t> DynamicPoints(const LocalMap& map, const MovingProbabilities& probabilities) {
-  std::vector<std::uint8_t> is_dynamic(map.size());
+std::vector<std::uint8_t> LeftOut(const LocalMap& map, const MovingProbabilities& probabilities,
+                                  std::span<const PointId> known) {
+  std::vector<std::uint8_t> left_out(map.size());
   for (std::size_t i = 0; i < map.size(); ++i) {
-    is_dynamic[i] = probabilities.State(map.ids[i]) == PointState::kDynamic ? 1 : 0;
+    const bool is_known = std::ranges::binary_search(known, map.ids[i]);
+    left_out[i] = is_known || probabilities.State(map.ids[i]) == PointState::kDynamic ? 1 : 0;
   }
-  return is_dynamic;
+  return left_out;
 }
 
 // One for each sample of the depth grid, 0 where it is dynamic; empty without labels: all may be asked.
@@ -125,7 +127,7 @@ std::optional<PlaceFound> Refine(const PlaceQuery& query, Estimate estimate, con
                                  const ScalePyramid& pyramid, const PoseOptimizerOptions& options) {
   const LocalMap& map = *candidate.map;
   for (const double window_px : {kWide_px, kNarrow_px}) {
-    std::vector<std::uint8_t> taken = candidate.is_dynamic;
+    std::vector<std::uint8_t> taken = candidate.left_out;
     std::vector<std::uint8_t> occupied(query.data->size(), 0);
     for (std::size_t i = 0; i < query.labels.size(); ++i) {
       occupied[i] = query.labels[i] == KeypointLabel::kDynamic ? 1 : 0;
@@ -221,7 +223,7 @@ std::vector<KeyframeId> ProposePlaces(const Map& map, std::span<const PlaceScore
   return chosen;
 }
 
-std::optional<PlaceCandidate> PlanPlace(const Map& map, KeyframeId id) {
+std::optional<PlaceCandidate> PlanPlace(const Map& map, KeyframeId id, std::span<const PointId> known) {
   const Keyframe* const keyframe = map.Find(id);
   if (keyframe == nullptr) {
     return std::nullopt;
@@ -231,7 +233,7 @@ std::optional<PlaceCandidate> PlanPlace(const Map& map, KeyframeId id) {
   candidate.world = keyframe->world;
   candidate.keyframe_from_world = keyframe->camera_from_world;
   candidate.map = BuildLocalMap(map, id, kSurroundings);
-  candidate.is_dynamic = DynamicPoints(*candidate.map, map.probabilities());
+  candidate.left_out = LeftOut(*candidate.map, map.probabilities(), known);
   std::vector<KeyframeId> group = map.BestCovisible(id, kGroup);
   group.insert(group.begin(), id);
   std::vector<std::uint8_t> in_group(candidate.map->size(), 0);

@@ -48,13 +48,15 @@ struct PlaceCandidate {
   WorldId world;
   Rigid3 keyframe_from_world;
   std::shared_ptr<const LocalMap> map;
-  std::vector<std::uint8_t> is_dynamic;  // one for each point of the map: no match is made with it
-  std::vector<std::uint32_t> points;     // of the map: those that it and its best covisible keyframes see
-  std::vector<View> views;               // itself and the best covisible ones
+  std::vector<std::uint8_t> left_out;  // one for each point of the map: no match is made with it
+  std::vector<std::uint32_t> points;   // of the map: those that it and its best covisible keyframes see
+  std::vector<View> views;             // itself and the best covisible ones
 };
 
-// Nothing if the keyframe is gone.
-[[nodiscard]] std::optional<PlaceCandidate> PlanPlace(const Map& map, KeyframeId keyframe);
+// Left out are what is dynamic and the points in `known`, ascending: those that the query sees anyway say nothing of
+// whether its place is known by others. Nothing if the keyframe is gone.
+[[nodiscard]] std::optional<PlaceCandidate> PlanPlace(const Map& map, KeyframeId keyframe,
+                                                      std::span<const PointId> known = {});
 
 // A pose that a query may have.
 struct PlaceFound {

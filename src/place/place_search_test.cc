@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <numbers>
 
 #include "testing/matchers.h"
@@ -134,6 +135,28 @@ TEST(PlaceSearch, WhatIsDynamicIsNeitherIndexedNorAskedFor) {
   for (const auto& [keypoint, point] : found->matches) {
     EXPECT_GE(keypoint, keypoints / 2);
     EXPECT_NE(scene.map.probabilities().State(point), PointState::kDynamic);
+  }
+}
+
+// A keyframe that sees the points of a place has not found it again.
+TEST(PlaceSearch, PointsThatTheQueryKnowsDoNotCount) {
+  const Scene scene;
+  const PlaceQuery query{scene.world.Look(scene.world.truth[20], 5).data, {}};
+  const auto found = VerifyPlace(query, *PlanPlace(scene.map, scene.ids[20]), ScalePyramid());
+  ASSERT_TRUE(found && IsWithin(*found, kLoopBounds));
+  std::vector<PointId> known;
+  for (const auto& [keypoint, point] : found->matches) {
+    known.push_back(point);
+  }
+  std::ranges::sort(known);
+  const auto rest = VerifyPlace(query, *PlanPlace(scene.map, scene.ids[20], known), ScalePyramid());
+  EXPECT_FALSE(rest && IsWithin(*rest, kLoopBounds));
+  known.resize(known.size() / 2);
+  const auto half = VerifyPlace(query, *PlanPlace(scene.map, scene.ids[20], known), ScalePyramid());
+  ASSERT_TRUE(half.has_value());
+  EXPECT_GT(half->matches.size(), found->matches.size() / 4);
+  for (const auto& [keypoint, point] : half->matches) {
+    EXPECT_FALSE(std::ranges::binary_search(known, point));
   }
 }
 

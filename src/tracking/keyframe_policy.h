@@ -14,8 +14,8 @@ struct KeyframeSituation {
   bool segmenter_idle = false;       // semantics run and the backlog holds nothing to label
   int inliers = 0;                   // matches that the pose stands on or could have stood on; no dynamic ones
   int reference_tracked_points = 0;  // confirmed points of the reference keyframe; no dynamic ones
-  int reference_points = 0;          // all its points; no dynamic ones
-  int reference_inliers = 0;         // those of them among the inliers
+  int reference_inliers = 0;         // its points among the inliers, confirmed or not; no dynamic ones
+  int reference_seen = 0;            // the most of them in a frame since it became the reference, this one included
   int depth_tracked = 0;             // keypoints with depth that are matched
   int depth_untracked = 0;           // those that are not
 };

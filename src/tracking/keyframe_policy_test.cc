@@ -14,7 +14,7 @@ KeyframeSituation Calm() {
   s.mapping_idle = true;
   s.inliers = 98;
   s.reference_tracked_points = 100;
-  s.reference_points = 200;
+  s.reference_seen = 200;
   s.reference_inliers = 150;
   s.depth_tracked = 200;
   s.depth_untracked = 10;
@@ -58,6 +58,19 @@ TEST(KeyframePolicy, ARapidTurnDoesNotWaitForMapping) {
   EXPECT_TRUE(WantsKeyframe(s, {}));
   s.frames_since_keyframe = 1;
   EXPECT_FALSE(WantsKeyframe(s, {}));
+}
+
+// People walk by, or the surface is such: most of the reference's points were never found again.
+TEST(KeyframePolicy, PointsThatNoViewSharedAreNotMissed) {
+  KeyframeSituation s = Calm();
+  s.mapping_idle = false;
+  s.frames_since_keyframe = 3;
+  s.reference_tracked_points = 400;
+  s.reference_inliers = 70;
+  s.reference_seen = 80;
+  EXPECT_FALSE(WantsKeyframe(s, {}));
+  s.reference_seen = 150;
+  EXPECT_TRUE(WantsKeyframe(s, {}));
 }
 
 TEST(KeyframePolicy, FewPointsWithDepthTrackedWhereMoreCouldBe) {

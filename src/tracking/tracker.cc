@@ -285,7 +285,7 @@ const LocalKeyframe* Tracker::OldestOfThisView() const {
   return found == map_->keyframes.end() ? nullptr : &*found;
 }
 
-KeyframeSituation Tracker::Situation(const WorkerStatus& status) const {
+KeyframeSituation Tracker::Situation(const WorkerStatus& status) {
   const Association& association = current_.association;
   KeyframeSituation situation;
   situation.frames_since_keyframe = frames_since_keyframe_;
@@ -304,10 +304,14 @@ KeyframeSituation Tracker::Situation(const WorkerStatus& status) const {
   for (const LocalKeyframe::Link& link : reference->links) {
     const bool dynamic =
         options_.association.use_semantics && probabilities_.State(map_->ids[link.point]) == PointState::kDynamic;
-    situation.reference_points += dynamic ? 0 : 1;
     situation.reference_inliers += !dynamic && inlier[link.point] != 0 ? 1 : 0;
     situation.reference_tracked_points += map_->confirmed[link.point] != 0 && !dynamic ? 1 : 0;
   }
+  if (seen_.reference != current_.reference) {
+    seen_ = {current_.reference, 0};
+  }
+  seen_.points = std::max(seen_.points, situation.reference_inliers);
+  situation.reference_seen = seen_.points;
   std::vector<std::uint8_t> rejected(current_.data->size(), 0);
   for (const PointMatch& match : association.dynamic) {
     rejected[match.keypoint] = 1;

@@ -92,6 +92,11 @@ class Tracker {
     std::vector<LastObservation> observations;  // the same as the snapshot has them
     Association association;                    // of the final pose
   };
+  // The most points of the reference keyframe among the inliers of a frame, since it is the reference.
+  struct Seen {
+    KeyframeId reference;
+    int points = 0;
+  };
   // What propagated labels say of a frame.
   struct FrameLabels {
     std::optional<KeypointProbabilities> keypoints;  // none without labels
@@ -113,7 +118,7 @@ class Tracker {
   [[nodiscard]] TrackOutcome Tracked(PoseEstimate estimate, const WorkerStatus& status, const StageTimes& times);
   [[nodiscard]] std::optional<double> ExplainedBy(const LocalKeyframe& keyframe) const;
   [[nodiscard]] const LocalKeyframe* OldestOfThisView() const;
-  [[nodiscard]] KeyframeSituation Situation(const WorkerStatus& status) const;
+  [[nodiscard]] KeyframeSituation Situation(const WorkerStatus& status);
 
   TrackerOptions options_;
   TrackerSetup setup_;
@@ -126,6 +131,7 @@ class Tracker {
   MotionModel motion_;
   bool started_ = false;
   int frames_since_keyframe_ = 0;
+  Seen seen_;
   std::optional<int> frames_since_recovery_;  // none before the first
   PointUses uses_;
 };
