@@ -196,9 +196,15 @@ def main():
             for seed in range(1, 2 if study.startswith("kidnap") else arguments.seeds + 1)
             for repetition in range(1, max(1, arguments.threaded) + 1)
             for loops in ((True, False) if study in COMPARED else (True,))]
-    for study, seed, _, _ in work:  # one after the other: studies share them
-        sequences.make(study, seed)
-        print(f"\r{study}, {seed}: made    ", end="", file=sys.stderr, flush=True)
+    seeds = sorted({seed for _, seed, _, _ in work})
+
+    def make(seed):  # all of a seed by one: studies share them
+        for study in dict.fromkeys(item[0] for item in work if item[1] == seed):
+            sequences.make(study, seed)
+
+    with concurrent.futures.ThreadPoolExecutor(arguments.jobs) as executor:
+        for count, _ in enumerate(executor.map(make, seeds), 1):
+            print(f"\rsequences of {count} of {len(seeds)} seeds made    ", end="", file=sys.stderr, flush=True)
     rows = []
     jobs = 1 if arguments.threaded else arguments.jobs
     with concurrent.futures.ThreadPoolExecutor(jobs) as executor:

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 #include <unordered_map>
 #include <utility>
@@ -134,13 +135,11 @@ std::optional<LoopCloser::Subject> LoopCloser::Describe(const MapAccess& map, Ke
     std::unordered_map<KeyframeId, int> shared;
     for (const PointId point : keyframe->points) {
       if (point.valid()) {
-        subject.points.push_back(point);
         for (const Observation& observation : locked.At(point).observations) {
           ++shared[observation.keyframe];
         }
       }
     }
-    std::ranges::sort(subject.points);
     for (const auto& [tied, points] : shared) {
       if (points >= kSharedAround) {
         subject.around.insert(tied);
@@ -154,6 +153,12 @@ std::optional<LoopCloser::Subject> LoopCloser::Describe(const MapAccess& map, Ke
     }
     subject.around.insert(keyframe->children.begin(), keyframe->children.end());
     subject.witnesses = locked.BestCovisible(id, kWitnesses);
+    std::vector<KeyframeId> beside = locked.BestCovisible(id, kAround);
+    beside.push_back(id);
+    for (const KeyframeId other : beside) {
+      std::ranges::copy_if(locked.At(other).points, std::back_inserter(subject.known), &PointId::valid);
+    }
+    std::ranges::sort(subject.known);
     return subject;
   });
 }
@@ -166,7 +171,7 @@ std::optional<PlaceFound> LoopCloser::FindAgain(const MapAccess& map, const Subj
     });
   });
   for (const KeyframeId candidate : candidates) {
-    const auto plan = map.Read([&](const Map& locked) { return PlanPlace(locked, candidate, subject.points); });
+    const auto plan = map.Read([&](const Map& locked) { return PlanPlace(locked, candidate, subject.known); });
     auto found = plan ? VerifyPlace(subject.query, *plan, pyramid_, pose_) : std::nullopt;
     if (!found || !IsWithin(*found, kLoopBounds)) {
       continue;

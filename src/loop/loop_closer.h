@@ -39,8 +39,9 @@ class LoopCloser {
   // before, not long ago, was found beside it.
   [[nodiscard]] std::optional<PlaceFound> Relocalize(const MapAccess& map, const PlaceQuery& query, double timestamp_s);
   // Looks for the place of a keyframe elsewhere in the map: in its own world among what is not tied to it by points
-  // that both see, which is a loop, or in another, which is merged. Points that it sees already do not count. Both need
-  // a witness: a keyframe beside it whose pose is confirmed by what that implies. Corrects the map.
+  // that both see, which is a loop, or in another, which is merged. Points that it or those beside it see already do
+  // not count. Both need a witness: a keyframe beside it whose pose is confirmed by what that implies. Corrects the
+  // map.
   [[nodiscard]] std::optional<Closure> Close(MapAccess& map, KeyframeId keyframe);
   // Full bundle adjustment of a world, on a copy; nothing of it is kept if `stop` says so or if many poses of the map
   // have changed since. Whether it was applied. May run beside the rest.
@@ -59,7 +60,7 @@ class LoopCloser {
     PlaceQuery query;
     WorldId world;
     Rigid3 camera_from_world;
-    std::vector<PointId> points;            // that it sees, ascending
+    std::vector<PointId> known;             // that it or its best covisible keyframes see, ascending
     std::unordered_set<KeyframeId> around;  // what shares points with it, and what shares most with those
     std::vector<KeyframeId> witnesses;      // best covisible ones
   };

@@ -21,8 +21,8 @@ struct Waiting {
   explicit Waiting(std::size_t capacity) : backlog(capacity) {}
 
   Backlog backlog;
-  int dropped = 0;         // left unlabeled for want of capacity
-  bool in_flight = false;  // a round is being segmented
+  int dropped = 0;    // left unlabeled for want of capacity
+  int in_flight = 0;  // keyframes that are being segmented; in the end, those given up
   bool closing = false;
 };
 

@@ -113,8 +113,9 @@ void FillSlamResult(const Lanes& lanes, SlamResult* result) {
   result->local_ba_ms = lanes.mapping.local_ba_ms();
   result->labels = lanes.semantics.events();
   result->segmentation_failures = lanes.semantics.failures();
-  result->keyframes_left_unlabeled = lanes.waiting.Read(
-      [](const Waiting& waiting) { return waiting.dropped + static_cast<int>(waiting.backlog.size()); });
+  result->keyframes_left_unlabeled = lanes.waiting.Read([](const Waiting& waiting) {
+    return waiting.dropped + waiting.in_flight + static_cast<int>(waiting.backlog.size());
+  });
   const LockTimes times = lanes.backend.lock_times();
   result->map_lock_ms = {Summary(times.held), Summary(times.waited), times.waited_by_tracking.max_ms()};
   result->map = lanes.backend.MakeView();

@@ -108,7 +108,7 @@ void ThreadedExecutor::RunSemantics(Shared& shared, const SemanticOptions& optio
           auto items = waiting.closing
                            ? std::vector<BacklogItem>{}
                            : waiting.backlog.Select(options.selection, static_cast<std::size_t>(options.per_round));
-          waiting.in_flight = !items.empty();
+          waiting.in_flight = static_cast<int>(items.size());
           return items;
         });
     if (selected.empty()) {
@@ -124,14 +124,15 @@ void ThreadedExecutor::RunSemantics(Shared& shared, const SemanticOptions& optio
       }
     }
     for (auto& request : requests) {
+      const auto keyframes = static_cast<int>(request.size());
       const LabeledRound round = lanes.semantics.Segment(std::move(request));
       if (lanes.waiting.Read([](const Waiting& waiting) { return waiting.closing; })) {
         return;
       }
       lanes.semantics.Apply(round);
       lanes.Learn(round);
+      lanes.waiting.Write([&](Waiting& waiting) { waiting.in_flight -= keyframes; });
     }
-    lanes.waiting.Write([](Waiting& waiting) { waiting.in_flight = false; });
   }
 }
 
@@ -214,7 +215,7 @@ WorkerStatus ThreadedExecutor::Status() const {
   WorkerStatus status;
   status.mapping_idle = shared_->to_map == 0;
   status.segmenter_idle = semantics_ && shared_->lanes->waiting.Read([](const Waiting& waiting) {
-    return waiting.backlog.empty() && !waiting.in_flight;
+    return waiting.backlog.empty() && waiting.in_flight == 0;
   });
   return status;
 }
@@ -260,7 +261,7 @@ void ThreadedExecutor::StopSemantics(bool wait_for_labels) {
   Lanes& lanes = *shared_->lanes;
   if (wait_for_labels) {
     const bool done = lanes.waiting.WaitFor(options_.semantic.finish_timeout_s, [](const Waiting& waiting) {
-      return waiting.closing || (waiting.backlog.empty() && !waiting.in_flight);
+      return waiting.closing || (waiting.backlog.empty() && waiting.in_flight == 0);
     });
     if (!done) {
       log::warn("labels still missing after {} s are given up", options_.semantic.finish_timeout_s);
