@@ -4,6 +4,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "base/error.h"
+#include "base/image.h"
 #include "cli/process_info.h"
 #include "io/camera_config.h"
 #include "io/depth_check.h"
@@ -120,10 +121,17 @@ std::unique_ptr<Segmenter> OpenSegmenter(const PlayArguments& arguments, const P
   if (setup.options.system.lockstep) {
     options.stored_delay_ms = 0;  // delays are counted in frames there
   }
-  return MakeSegmenter(arguments.segmenter, options, std::move(masks),
-                       [camera = setup.camera, unsure = setup.dataset.MasksHaveUnsure()](const std::string& path) {
-                         return LoadMask(path, camera, unsure);
-                       });
+  auto segmenter =
+      MakeSegmenter(arguments.segmenter, options, std::move(masks),
+                    [camera = setup.camera, unsure = setup.dataset.MasksHaveUnsure()](const std::string& path) {
+                      return LoadMask(path, camera, unsure);
+                    });
+  if (arguments.segmenter == "openvino") {
+    // A network is compiled with its first request: now, and not while people walk by whom only its label tells.
+    const SegmentationInput black{{}, 0, std::make_shared<const Image8>(setup.camera.width, setup.camera.height, 3)};
+    static_cast<void>(segmenter->Segment({&black, 1}));
+  }
+  return segmenter;
 }
 
 RunDescription Describe(const PlaySetup& setup, const Segmenter* segmenter) {

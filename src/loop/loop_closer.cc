@@ -19,7 +19,7 @@ constexpr std::size_t kLoopCandidates = 3;
 constexpr std::size_t kRelocalizationCandidates = 5;
 constexpr std::size_t kClearMatches = 100;  // with so many no other candidate is tried
 constexpr int kSharedAround = 5;            // points that tie a keyframe to another
-constexpr std::size_t kAround = 10;         // best covisible keyframes of each that is tied
+constexpr std::size_t kAround = 10;         // best covisible keyframes that are beside one
 constexpr std::size_t kWitnesses = 2;       // that are asked
 constexpr PlaceBounds kWitnessBounds{20, 0.85, 100};
 constexpr std::size_t kWeld = 15;  // covisible keyframes on which points are fused

@@ -32,7 +32,7 @@ struct SemanticOptions {
   bool batch = true;      // in one request, or one by one
   std::string ignore;     // file of a mask of what is fixed to the camera; applied by who reads the images
   int backlog = 60;       // images of unlabeled keyframes kept at most
-  int start_frames = 60;  // for which the map waits for the first label before it grows, at most
+  int start_frames = 36;  // for which the map waits for the first label before it grows, at most
   int dilation_px = 15;   // radius at an image width of 640
   FreeSpaceOptions free_space;
   bool motion = true;             // what moves otherwise than most of the picture is dynamic, whatever it is

@@ -10,7 +10,7 @@ namespace rds {
 namespace {
 
 constexpr std::uint32_t kFramesBetweenKeyframes = 4;  // at least, among those tracked again
-constexpr int kWeakMatches = 60;                      // with fewer the first keyframe does not do any more
+constexpr int kWeakMatches = 30;                      // with fewer the first keyframe does not do any more
 constexpr int kMostVoid = 90;                         // frames more to wait where labels leave less
 constexpr int kPatience = 15;                         // frames lost on end while a better label is awaited
 constexpr int kYoung = 100;                           // frames tracked: what is older is not begun anew

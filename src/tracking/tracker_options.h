@@ -37,10 +37,9 @@ struct KeyframePolicyOptions {
   int max_frames = 30;          // a keyframe at the latest after so many frames
   int min_frames = 6;           // none sooner than so many frames after the last, unless the view changes fast
   double tracked_ratio = 0.95;  // of the reference keyframe's points: below this the view is new
-  double shared_ratio =
-      0.65;  // of what it shared with the view before: below this one is wanted even while mapping is busy
-  int depth_tracked = 100;   // fewer keypoints with depth tracked than this ...
-  int depth_untracked = 70;  // ... while more than this could be: a keyframe is wanted
+  double shared_ratio = 0.65;   // of what it shared with the view before: below this, mapping may be busy
+  int depth_tracked = 100;      // fewer keypoints with depth tracked than this ...
+  int depth_untracked = 70;     // ... while more than this could be: a keyframe is wanted
   int min_inliers = 15;
   int semantic_frames = 8;  // with semantics: a keyframe for an idle segmenter, at most so often; 0 = never
 };
