@@ -121,11 +121,9 @@ std::unique_ptr<Segmenter> OpenSegmenter(const PlayArguments& arguments, const P
   if (setup.options.system.lockstep) {
     options.stored_delay_ms = 0;  // delays are counted in frames there
   }
-  auto segmenter =
-      MakeSegmenter(arguments.segmenter, options, std::move(masks),
-                    [camera = setup.camera, unsure = setup.dataset.MasksHaveUnsure()](const std::string& path) {
-                      return LoadMask(path, camera, unsure);
-                    });
+  auto segmenter = MakeSegmenter(arguments.segmenter, options, std::move(masks),
+                                 [camera = setup.camera, unsure = setup.dataset.MasksHaveUnsure()](
+                                     const std::string& path) { return LoadMask(path, camera, unsure); });
   if (arguments.segmenter == "openvino") {
     // A network is compiled with its first request: now, and not while people walk by whom only its label tells.
     const SegmentationInput black{{}, 0, std::make_shared<const Image8>(setup.camera.width, setup.camera.height, 3)};

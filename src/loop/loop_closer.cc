@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <numbers>
 #include <unordered_map>
 #include <utility>
@@ -155,10 +154,7 @@ std::optional<LoopCloser::Subject> LoopCloser::Describe(const MapAccess& map, Ke
     subject.witnesses = locked.BestCovisible(id, kWitnesses);
     std::vector<KeyframeId> beside = locked.BestCovisible(id, kAround);
     beside.push_back(id);
-    for (const KeyframeId other : beside) {
-      std::ranges::copy_if(locked.At(other).points, std::back_inserter(subject.known), &PointId::valid);
-    }
-    std::ranges::sort(subject.known);
+    subject.known = locked.PointsOf(beside);
     return subject;
   });
 }

@@ -54,6 +54,8 @@ class Map {
   [[nodiscard]] Rigid3 CameraFromWorld(KeyframeId id) const;
   // The `count` keyframes with most shared points, best first.
   [[nodiscard]] std::vector<KeyframeId> BestCovisible(KeyframeId keyframe, std::size_t count) const;
+  // What keyframes see, ascending, each once.
+  [[nodiscard]] std::vector<PointId> PointsOf(std::span<const KeyframeId> keyframes) const;
   // The living point that took the place of an id, following fusions: the id itself if it lives, invalid if it is gone.
   // Fusions are remembered for the newest kRemembered; who asks holds an id for a few keyframes at most.
   [[nodiscard]] PointId Resolve(PointId id) const;

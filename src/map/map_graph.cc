@@ -82,6 +82,17 @@ std::vector<KeyframeId> Map::BestCovisible(KeyframeId id, std::size_t count) con
   return best;
 }
 
+std::vector<PointId> Map::PointsOf(std::span<const KeyframeId> keyframes) const {
+  std::vector<PointId> points;
+  for (const KeyframeId id : keyframes) {
+    std::ranges::copy_if(At(id).points, std::back_inserter(points), &PointId::valid);
+  }
+  std::ranges::sort(points);
+  const auto rest = std::ranges::unique(points);
+  points.erase(rest.begin(), rest.end());
+  return points;
+}
+
 void Map::AdoptChildren(Keyframe& erased) {
   // Each child takes as parent the keyframe it shares most points with among the erased one's parent and the children
   // that already have found one; that keeps the tree a tree.

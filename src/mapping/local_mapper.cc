@@ -27,18 +27,6 @@ std::vector<KeyframeId> FusionTargets(const Map& map, KeyframeId id, std::size_t
   return targets;
 }
 
-// Ascending, each once.
-std::vector<PointId> PointsOf(const Map& map, const std::vector<KeyframeId>& keyframes) {
-  std::vector<PointId> points;
-  for (const KeyframeId id : keyframes) {
-    points.insert(points.end(), map.At(id).points.begin(), map.At(id).points.end());
-  }
-  std::ranges::sort(points);
-  const auto rest = std::ranges::unique(points);
-  points.erase(rest.begin(), rest.end());
-  return points;
-}
-
 }  // namespace
 
 KeyframeId LocalMapper::Insert(Map& map, const KeyframeCandidate& candidate) {
@@ -129,7 +117,7 @@ void LocalMapper::FusePoints(MapAccess& map, KeyframeId keyframe) {
   for (const KeyframeId target : targets) {
     map.Commit([&](const Map& locked) { return PlanFusion(locked, target, locked.At(keyframe).points); }, SolveFusion);
   }
-  map.Commit([&](const Map& locked) { return PlanFusion(locked, keyframe, PointsOf(locked, targets)); }, SolveFusion);
+  map.Commit([&](const Map& locked) { return PlanFusion(locked, keyframe, locked.PointsOf(targets)); }, SolveFusion);
   map.Write([&](Map& locked) {
     for (const PointId point : locked.At(keyframe).points) {
       if (point.valid()) {
