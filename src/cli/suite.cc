@@ -2,78 +2,20 @@
 #include "cli/suite.h"
 
 #include <spdlog/fmt/fmt.h>
-#include <yaml-cpp/yaml.h>
 
 #include <algorithm>
 #include <cctype>
-#include <initializer_list>
 #include <set>
 #include <utility>
 
 #include "base/error.h"
 #include "base/strict_yaml.h"
-#include "base/suggest.h"
+#include "base/yaml_mapping.h"
 
 namespace rds {
 namespace {
 
 namespace fs = std::filesystem;
-
-// A mapping whose keys are known.
-class Mapping {
- public:
-  Mapping(const fs::path& file, const YAML::Node& node, const std::vector<std::string>& keys)
-      : file_(file), node_(node) {
-    if (!node.IsMap()) {
-      throw InputError(WhereInYaml(file, node) + ": a mapping is wanted, with the keys " +
-                       fmt::format("{}", fmt::join(keys, ", ")));
-    }
-    for (const auto& entry : node) {
-      const std::string& key = entry.first.Scalar();
-      if (std::ranges::find(keys, key) == keys.end()) {
-        throw InputError(fmt::format("{}: unknown key '{}'{}; known: {}", WhereInYaml(file, entry.first), key,
-                                     Suggestion(key, keys), fmt::join(keys, ", ")));
-      }
-    }
-  }
-
-  [[nodiscard]] const fs::path& file() const { return file_; }
-  [[nodiscard]] YAML::Node At(const std::string& key) const { return node_[key]; }
-
-  template <typename T>
-  void Read(const std::string& key, T& value) const {
-    if (const YAML::Node node = node_[key]) {
-      try {
-        value = node.as<T>();
-      } catch (const YAML::Exception&) {
-        throw InputError(fmt::format("{}: {} has a value of the wrong kind", WhereInYaml(file_, node), key));
-      }
-    }
-  }
-  [[nodiscard]] std::string Need(const std::string& key) const {
-    std::string value;
-    Read(key, value);
-    if (value.empty()) {
-      throw InputError(fmt::format("{}: '{}' is missing", WhereInYaml(file_, node_), key));
-    }
-    return value;
-  }
-  // The elements of a list; none where there is no such key.
-  [[nodiscard]] std::vector<YAML::Node> List(const std::string& key) const {
-    const YAML::Node node = node_[key];
-    if (!node || node.IsNull()) {
-      return {};
-    }
-    if (!node.IsSequence()) {
-      throw InputError(fmt::format("{}: {} is a list", WhereInYaml(file_, node), key));
-    }
-    return {node.begin(), node.end()};
-  }
-
- private:
-  const fs::path& file_;
-  const YAML::Node node_;
-};
 
 template <typename T>
 void CheckNames(const fs::path& file, const std::vector<T>& all, const char* what) {
@@ -90,7 +32,7 @@ fs::path From(const fs::path& base, const std::string& path) {
   return fs::path(path).is_absolute() ? fs::path(path) : base / path;
 }
 
-SuiteSequence ReadSequence(const Mapping& map, const fs::path& base) {
+SuiteSequence ReadSequence(const YamlMapping& map, const fs::path& base) {
   SuiteSequence sequence;
   const std::string path = map.Need("path");
   sequence.path = From(base, path);
@@ -101,7 +43,7 @@ SuiteSequence ReadSequence(const Mapping& map, const fs::path& base) {
   return sequence;
 }
 
-SuiteConfiguration ReadConfiguration(const Mapping& map) {
+SuiteConfiguration ReadConfiguration(const YamlMapping& map) {
   SuiteConfiguration configuration;
   configuration.name = map.Need("name");
   map.Read("segmenter", configuration.segmenter);
@@ -115,13 +57,12 @@ SuiteConfiguration ReadConfiguration(const Mapping& map) {
     configuration.segmenter = "stored";
   }
   if (!(configuration.rate >= 0.01 && configuration.rate <= 1000)) {
-    throw InputError(
-        fmt::format("{}: rate is 0.01 to 1000 times as recorded", WhereInYaml(map.file(), map.At("rate"))));
+    map.Refuse("rate", "0.01 to 1000 times as recorded");
   }
   return configuration;
 }
 
-SuiteMethod ReadMethod(const Mapping& map, const fs::path& base) {
+SuiteMethod ReadMethod(const YamlMapping& map, const fs::path& base) {
   SuiteMethod method;
   method.name = map.Need("name");
   std::map<std::string, YAML::Node> trajectories;
@@ -139,7 +80,7 @@ SuiteMethod ReadMethod(const Mapping& map, const fs::path& base) {
 }
 
 // {sequence: rmse} or {sequence: [rmse, standard deviation]}.
-std::map<std::string, PublishedValue> ReadValues(const Mapping& map, const std::string& key) {
+std::map<std::string, PublishedValue> ReadValues(const YamlMapping& map, const std::string& key) {
   std::map<std::string, PublishedValue> values;
   const YAML::Node node = map.At(key);
   if (!node) {
@@ -156,20 +97,19 @@ std::map<std::string, PublishedValue> ReadValues(const Mapping& map, const std::
       }
     }
   } catch (const YAML::Exception&) {
-    throw InputError(fmt::format("{}: {} is a mapping from sequences to numbers, or to pairs of them (RMSE, S.D.)",
-                                 WhereInYaml(map.file(), node), key));
+    map.Refuse(key, "a mapping from sequences to numbers, or to pairs of them (RMSE, S.D.)");
   }
   return values;
 }
 
 std::vector<PublishedMethod> ReadPublished(const fs::path& file) {
   const YAML::Node root = ReadStrictYaml(file);
-  const Mapping top(file, root, {"methods"});
+  const YamlMapping top(file, root, {"methods"});
   std::vector<PublishedMethod> published;
   for (const YAML::Node& node : top.List("methods")) {
-    const Mapping map(file, node,
-                      {"name", "source", "hardware", "semantics", "track_ms", "segmentation_ms", "other_ms", "ate_m",
-                       "rpe_translation_m", "rpe_rotation_deg", "labeled_keyframes"});
+    const YamlMapping map(file, node,
+                          {"name", "source", "hardware", "semantics", "track_ms", "segmentation_ms", "other_ms",
+                           "ate_m", "rpe_translation_m", "rpe_rotation_deg", "labeled_keyframes"});
     PublishedMethod method;
     method.name = map.Need("name");
     method.source = map.Need("source");
@@ -211,8 +151,8 @@ std::string AsFileName(const std::string& name) {
 
 Suite ReadSuite(const fs::path& file, const fs::path& data) {
   const YAML::Node root = ReadStrictYaml(file);
-  const Mapping top(file, root,
-                    {"title", "repetitions", "sequences", "configurations", "methods", "published", "pictures"});
+  const YamlMapping top(file, root,
+                        {"title", "repetitions", "sequences", "configurations", "methods", "published", "pictures"});
   const fs::path own = file.parent_path();
   const fs::path base = data.empty() ? own : data;
   Suite suite;
@@ -221,20 +161,20 @@ Suite ReadSuite(const fs::path& file, const fs::path& data) {
   top.Read("repetitions", suite.repetitions);
   top.Read("pictures", suite.pictures);
   if (suite.repetitions < 1 || suite.repetitions > 1000) {
-    throw InputError(fmt::format("{}: repetitions is 1 to 1000", WhereInYaml(file, top.At("repetitions"))));
+    top.Refuse("repetitions", "1 to 1000");
   }
   if (std::ranges::any_of(suite.pictures, [](int frame) { return frame < 0; })) {
-    throw InputError(fmt::format("{}: pictures are of frames from 0 on", WhereInYaml(file, top.At("pictures"))));
+    top.Refuse("pictures", "of frames from 0 on");
   }
   for (const YAML::Node& node : top.List("sequences")) {
-    suite.sequences.push_back(ReadSequence(Mapping(file, node, {"name", "path", "camera", "frames"}), base));
+    suite.sequences.push_back(ReadSequence(YamlMapping(file, node, {"name", "path", "camera", "frames"}), base));
   }
   for (const YAML::Node& node : top.List("configurations")) {
     suite.configurations.push_back(ReadConfiguration(
-        Mapping(file, node, {"name", "segmenter", "model", "masks_by", "preset", "rate", "lockstep", "set"})));
+        YamlMapping(file, node, {"name", "segmenter", "model", "masks_by", "preset", "rate", "lockstep", "set"})));
   }
   for (const YAML::Node& node : top.List("methods")) {
-    suite.methods.push_back(ReadMethod(Mapping(file, node, {"name", "trajectories"}), base));
+    suite.methods.push_back(ReadMethod(YamlMapping(file, node, {"name", "trajectories"}), base));
   }
   if (std::string name; top.Read("published", name), !name.empty()) {
     suite.published = ReadPublished(From(own, name));

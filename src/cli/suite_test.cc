@@ -96,8 +96,8 @@ TEST_F(SuiteTest, RefusesWhatIsNoSuite) {
   EXPECT_THAT(ErrorOf("sequnces: []"), HasSubstr("'sequences'"));
   EXPECT_THAT(ErrorOf("sequences: [{name: x}]"), HasSubstr("'path' is missing"));
   EXPECT_THAT(ErrorOf("sequences: [x]"), HasSubstr("a mapping is wanted"));
-  EXPECT_THAT(ErrorOf("sequences: 5"), HasSubstr("sequences is a list"));
-  EXPECT_THAT(ErrorOf("repetitions: many"), HasSubstr("wrong kind"));
+  EXPECT_THAT(ErrorOf("sequences: 5"), HasSubstr("sequences must be a list"));
+  EXPECT_THAT(ErrorOf("repetitions: many"), HasSubstr("repetitions must be a number"));
   EXPECT_THAT(ErrorOf("repetitions: 0"), HasSubstr("1 to 1000"));
   EXPECT_THAT(ErrorOf("configurations: [{name: a, rate: 0}]"), HasSubstr("rate"));
   EXPECT_THAT(ErrorOf("sequences: [{name: a/b, path: x}, {name: a b, path: y}]\nconfigurations: [{name: c}]"),

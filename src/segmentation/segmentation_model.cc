@@ -2,7 +2,6 @@
 #include "segmentation/segmentation_model.h"
 
 #include <spdlog/fmt/fmt.h>
-#include <yaml-cpp/yaml.h>
 
 #include <algorithm>
 #include <cmath>
@@ -15,6 +14,7 @@
 #include "base/strict_yaml.h"
 #include "base/suggest.h"
 #include "base/text.h"
+#include "base/yaml_mapping.h"
 #include "segmentation/segmenter_options.h"
 
 namespace rds {
@@ -22,81 +22,30 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A mapping of the YAML file: typed access, errors that name file and key, and unknown keys refused.
-class Section {
- public:
-  Section(std::string file, std::string name, const YAML::Node& node, std::initializer_list<const char*> keys)
-      : file_(std::move(file)),
-        name_(std::move(name)),
-        node_(node && node.IsNull() ? YAML::Node(YAML::NodeType::Undefined) : node) {  // nothing said: all by default
-    if (!node_) {
-      return;
-    }
-    if (!node_.IsMap()) {
-      throw InputError(fmt::format("{}: {} must be a mapping", file_, name_.empty() ? "the file" : name_));
-    }
-    for (const auto& entry : node_) {
-      const std::string& key = entry.first.Scalar();  // "" where it is no word
-      if (std::find(keys.begin(), keys.end(), key) == keys.end()) {
-        throw InputError(fmt::format("{}: unknown key '{}'; known: {}", file_, Path(key), fmt::join(keys, ", ")));
-      }
-    }
+// One of two words: true for the first.
+void ReadChoice(const YamlMapping& map, const std::string& key, bool& is_first, const std::string& first,
+                const std::string& second) {
+  std::string word = is_first ? first : second;
+  const std::string wanted = first + " or " + second;
+  map.Read(key, word, wanted);
+  if (word != first && word != second) {
+    map.Refuse(key, wanted);
   }
+  is_first = word == first;
+}
 
-  template <typename T>
-  void Read(const std::string& key, T& value, const char* wanted) const {
-    if (!node_ || !node_[key]) {
-      return;
-    }
-    try {
-      value = node_[key].template as<T>();
-    } catch (const YAML::Exception&) {
-      Refuse(key, wanted);
-    }
-  }
-
-  // Reads one of two words: true for the first.
-  void ReadChoice(const std::string& key, bool& is_first, const std::string& first, const std::string& second) const {
-    std::string word = is_first ? first : second;
-    const std::string wanted = first + " or " + second;
-    Read(key, word, wanted.c_str());
-    if (word != first && word != second) {
-      Refuse(key, wanted);
-    }
-    is_first = word == first;
-  }
-
-  void ReadOrder(const std::string& key, ChannelOrder& order) const {
-    bool first = order == ChannelOrder::kFirst;
-    ReadChoice(key, first, "NCHW", "NHWC");
-    order = first ? ChannelOrder::kFirst : ChannelOrder::kLast;
-  }
-
-  [[noreturn]] void Refuse(const std::string& key, const std::string& wanted) const {
-    throw InputError(fmt::format("{}: {} must be {}", file_, Path(key), wanted));
-  }
-
-  // Where the file lies.
-  [[nodiscard]] fs::path Folder() const { return fs::path(file_).parent_path(); }
-
-  [[nodiscard]] YAML::Node Child(const char* key) const {
-    return node_ ? node_[key] : YAML::Node(YAML::NodeType::Undefined);
-  }
-
- private:
-  [[nodiscard]] std::string Path(const std::string& key) const { return name_.empty() ? key : name_ + "." + key; }
-
-  std::string file_;
-  std::string name_;
-  YAML::Node node_;
-};
+void ReadOrder(const YamlMapping& map, const std::string& key, ChannelOrder& order) {
+  bool first = order == ChannelOrder::kFirst;
+  ReadChoice(map, key, first, "NCHW", "NHWC");
+  order = first ? ChannelOrder::kFirst : ChannelOrder::kLast;
+}
 
 bool AllFinite(const std::array<double, 2>& values) {
   return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
 }
 
-void ReadInput(const Section& input, SegmentationModel& model) {
-  input.ReadOrder("layout", model.input_order);
+void ReadInput(const YamlMapping& input, SegmentationModel& model) {
+  ReadOrder(input, "layout", model.input_order);
   std::array<int, 2> size = {model.input_height, model.input_width};
   input.Read("size", size, "[height, width]");
   if (size[0] < 0 || size[1] < 0 || size[0] > 8192 || size[1] > 8192 || (size[0] == 0) != (size[1] == 0)) {
@@ -104,7 +53,7 @@ void ReadInput(const Section& input, SegmentationModel& model) {
   }
   model.input_height = size[0];
   model.input_width = size[1];
-  input.ReadChoice("color", model.input_is_rgb, "RGB", "BGR");
+  ReadChoice(input, "color", model.input_is_rgb, "RGB", "BGR");
   input.Read("mean", model.mean, "three numbers");
   input.Read("scale", model.scale, "three numbers");
   const auto usable = [](float v) { return std::isfinite(v); };
@@ -118,7 +67,7 @@ void ReadInput(const Section& input, SegmentationModel& model) {
 
 constexpr std::array<const char*, 4> kKinds = {"logits", "labels", "mask", "instances"};
 
-void ReadKind(const Section& output, SegmentationModel& model) {
+void ReadKind(const YamlMapping& output, SegmentationModel& model) {
   std::string kind = kKinds[static_cast<std::size_t>(model.output)];
   output.Read("kind", kind, "a word");
   const auto* const found = std::ranges::find(kKinds, kind);
@@ -144,13 +93,13 @@ std::vector<std::string> ReadNames(const fs::path& file) {
   return names;
 }
 
-void ReadInstances(const Section& instances, SegmentationModel& model) {
+void ReadInstances(const YamlMapping& instances, SegmentationModel& model) {
   instances.Read("boxes", model.boxes_tensor, "the name of a tensor");
   instances.Read("scores", model.scores_tensor, "the name of a tensor");
   instances.Read("classes", model.classes_tensor, "the name of a tensor");
   instances.Read("masks", model.masks_tensor, "the name of a tensor");
   bool x_first = model.box_order == SegmentationModel::BoxOrder::kXyxy;
-  instances.ReadChoice("order", x_first, "xyxy", "yxyx");
+  ReadChoice(instances, "order", x_first, "xyxy", "yxyx");
   model.box_order = x_first ? SegmentationModel::BoxOrder::kXyxy : SegmentationModel::BoxOrder::kYxyx;
   instances.Read("relative", model.boxes_are_relative, "true or false");
   instances.Read("score", model.score, "a number from 0 to 1");
@@ -159,10 +108,10 @@ void ReadInstances(const Section& instances, SegmentationModel& model) {
   }
 }
 
-void ReadOutput(const Section& output, SegmentationModel& model) {
+void ReadOutput(const YamlMapping& output, SegmentationModel& model) {
   output.Read("tensor", model.output_tensor, "the name of a tensor");
   ReadKind(output, model);
-  output.ReadOrder("layout", model.output_order);
+  ReadOrder(output, "layout", model.output_order);
   output.Read("stride", model.stride, "[y, x] in pixels");
   output.Read("offset", model.offset, "[y, x] in pixels");
   if (!AllFinite(model.stride) || model.stride[0] < 0 || model.stride[1] < 0) {
@@ -174,7 +123,7 @@ void ReadOutput(const Section& output, SegmentationModel& model) {
   std::string names;
   output.Read("names", names, "the name of a file");
   if (!names.empty()) {
-    model.names = ReadNames(output.Folder() / names);
+    model.names = ReadNames(output.file().parent_path() / names);
   }
   output.Read("labels", model.labels, "a list of class numbers");
   if (model.labels.empty() || *std::min_element(model.labels.begin(), model.labels.end()) < 0) {
@@ -192,14 +141,16 @@ void ReadOutput(const Section& output, SegmentationModel& model) {
 
 void ReadYaml(const std::string& file, SegmentationModel& model) {
   const YAML::Node root = ReadStrictYaml(file);
-  const Section top(file, "", root, {"input", "output", "instances", "ignore_rounding"});
-  ReadInput(Section(file, "input", top.Child("input"), {"layout", "size", "color", "mean", "scale"}), model);
-  ReadOutput(Section(file, "output", top.Child("output"),
-                     {"tensor", "kind", "layout", "stride", "offset", "names", "labels", "threshold", "unsure"}),
+  const YamlMapping top(file, root, {"input", "output", "instances", "ignore_rounding"});
+  ReadInput({file, top.At("input"), {"layout", "size", "color", "mean", "scale"}, "input"}, model);
+  ReadOutput({file,
+              top.At("output"),
+              {"tensor", "kind", "layout", "stride", "offset", "names", "labels", "threshold", "unsure"},
+              "output"},
              model);
-  ReadInstances(Section(file, "instances", top.Child("instances"),
-                        {"boxes", "scores", "classes", "masks", "order", "relative", "score"}),
-                model);
+  ReadInstances(
+      {file, top.At("instances"), {"boxes", "scores", "classes", "masks", "order", "relative", "score"}, "instances"},
+      model);
   top.Read("ignore_rounding", model.ignore_rounding, "true or false");
 }
 
