@@ -4,8 +4,11 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <cmath>
+#include <cstdint>
+#include <opencv2/imgcodecs.hpp>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "base/base64.h"
 #include "base/file.h"
@@ -91,6 +94,13 @@ FigureGroup TrajectoryFigures(const Suite& suite, const std::vector<MethodResult
   return group;
 }
 
+// A picture as small as a page with dozens of them wants it.
+std::string AsJpeg(const cv::Mat& picture) {
+  std::vector<std::uint8_t> bytes;
+  cv::imencode(".jpg", picture, bytes, {cv::IMWRITE_JPEG_QUALITY, 80});
+  return {bytes.begin(), bytes.end()};
+}
+
 // Frames with their features by state (figures 12 and 13).
 void AddPictures(const Suite& suite, const fs::path& out, std::string& html, std::string& markdown) {
   std::string html_part;
@@ -100,13 +110,15 @@ void AddPictures(const Suite& suite, const fs::path& out, std::string& html, std
       for (const int frame : suite.pictures) {
         const fs::path file = PictureFile(out, sequence, configuration, frame);
         std::error_code error;
-        if (!fs::is_regular_file(file, error)) {
+        const cv::Mat picture = fs::is_regular_file(file, error) ? cv::imread(file.string()) : cv::Mat();
+        if (picture.empty()) {  // not made, or damaged
           continue;
         }
         const std::string title = fmt::format("{}, {}, frame {}", sequence.name, configuration.name, frame);
-        html_part += fmt::format("<h3>{0}</h3>\n<img alt=\"{0}\" src=\"data:image/png;base64,{1}\">\n", HtmlText(title),
-                                 Base64(ReadFile(file)));
-        markdown_part += fmt::format("### {0}\n\n![{0}](<{1}>)\n\n", title, fs::relative(file, out, error).string());
+        html_part +=
+            fmt::format("<h3>{0}</h3>\n<img alt=\"{0}\" loading=\"lazy\" src=\"data:image/jpeg;base64,{1}\">\n",
+                        HtmlText(title), Base64(AsJpeg(picture)));
+        markdown_part += fmt::format("### {0}\n\n![{0}](<{1}>)\n\n", title, fs::relative(file, out).string());
       }
     }
   }

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <opencv2/imgcodecs.hpp>
 
 #include "base/file.h"
 #include "cli/suite_report.h"
@@ -139,12 +140,16 @@ TEST_F(SuiteTest, OtherSystemsAndPublishedFiguresAreRows) {
   EXPECT_THAT(ToCsv(tables[0]), HasSubstr("\"200 ms, 15 Hz\",-\n"));
   EXPECT_THAT(ToCsv(KeyframeTable(suite, results)),
               HasSubstr("\nfr3/w/xyz,\"DS-SLAM, 15 Hz (published: a paper, table 1)\",-,-,-,286,-\n"));
+  const fs::path picture = PictureFile(out.path(), suite.sequences[0], suite.configurations[0], 3);
+  fs::create_directories(picture.parent_path());
+  cv::imwrite(picture.string(), cv::Mat(20, 30, CV_8UC3, cv::Scalar::all(90)));
   WriteSuiteReport(suite, results, {"one run is <missing>"}, out.path());
   const std::string html = ReadFile(out.path() / "report.html");
   EXPECT_THAT(html, HasSubstr("one run is &lt;missing&gt;"));
   EXPECT_THAT(html, HasSubstr("<svg"));  // the path of the other system
   EXPECT_THAT(html, HasSubstr("width=device-width"));
   EXPECT_THAT(html, Not(HasSubstr("src=\"http")));
+  EXPECT_THAT(html, HasSubstr("src=\"data:image/jpeg;base64,/9j/"));  // how JPEG begins
   EXPECT_TRUE(fs::exists(out.path() / "figures" / "trajectory_fr3_w_xyz_another_system.svg"));
   EXPECT_THAT(ReadFile(out.path() / "errors.csv"), HasSubstr("fr3/w/xyz,another system,frames,2,"));
 }
