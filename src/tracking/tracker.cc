@@ -221,12 +221,12 @@ TrackOutcome Tracker::Tracked(PoseEstimate estimate, const WorkerStatus& status,
   current_.tracked = true;
   current_.camera_from_world = estimate.camera_from_world;
   current_.association = std::move(estimate.association);
-  if (last_.tracked) {
-    motion_.Observe(current_.camera_from_world * last_.camera_from_world.Inverse(),
-                    current_.timestamp_s - last_.timestamp_s);
-  } else {
+  if (!last_.tracked) {
     frames_since_recovery_ = 0;
     motion_.Forget();
+  } else if (frames_since_recovery_ != 1) {  // a pose found anew is too coarse to take a velocity from
+    motion_.Observe(current_.camera_from_world * last_.camera_from_world.Inverse(),
+                    current_.timestamp_s - last_.timestamp_s);
   }
   const Association& association = current_.association;
   for (const auto* matches : {&association.used, &association.deferred}) {

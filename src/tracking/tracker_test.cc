@@ -121,6 +121,30 @@ TEST(Tracker, IsLostWhereNothingIsKnownAndRecovers) {
   EXPECT_THAT(outcome.camera_from_world, RigidNear(far, 2e-3, 0.05));
 }
 
+// Found by few points side by side, a pose may be off by a third of a meter; the step to the next one is no motion.
+TEST(Tracker, AFrameFoundElsewhereTellsNoVelocity) {
+  Scene scene;
+  scene.Start();
+  for (int frame = 1; frame < 5; ++frame) {
+    ASSERT_TRUE(scene.Track(Truth(frame)).tracked);
+  }
+  ASSERT_FALSE(scene.Track(PointWorld(kPoints, 99).Look(Truth(0))).tracked);
+  const auto view = scene.world.Look(Truth(5));
+  const Rigid3 error{ExpSo3({0.13, 0, 0}), {0, 0.3, 0.1}};
+  scene.tracker->Relocate({.id = FrameId{5},
+                           .timestamp_s = 5 / 30.0,
+                           .data = view.data,
+                           .reference = KeyframeId{0},
+                           .camera_from_reference = error * Truth(5) * Truth(0).Inverse(),
+                           .points = std::vector<PointId>(view.data->size())});
+  for (int frame = 6; frame < 9; ++frame) {
+    const TrackOutcome outcome = scene.Track(Truth(frame));
+    ASSERT_TRUE(outcome.tracked) << frame;
+    EXPECT_THAT(outcome.camera_from_world, RigidNear(Truth(frame), 2e-3, 0.05)) << frame;
+    EXPECT_LT(scene.tracker->Velocity().norm(), 0.5) << frame;  // it is 0.33
+  }
+}
+
 TEST(Tracker, RecoveryTakesMoreThanTracking) {
   TrackerOptions options;
   options.min_recovery_inliers = 150;
