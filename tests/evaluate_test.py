@@ -72,7 +72,7 @@ class EvaluateTest(unittest.TestCase):
             self.assertLess(float(row["ate_rmse_m"]), 0.02)
             self.assertEqual(row["poses"], "45")
         html = (self.out / "report.html").read_text(encoding="utf-8")
-        self.assertIn("data:image/png;base64,", html)
+        self.assertIn("data:image/jpeg;base64,", html)
         self.assertGreaterEqual(html.count("<svg"), 3)  # the delay, two paths
         for title in ("Absolute trajectory error", "translation", "rotation", "Execution time", "Keyframes with a label",
                       "Semantic delay", "Features by state"):

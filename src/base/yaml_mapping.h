@@ -2,15 +2,14 @@
 // A mapping of a YAML file: typed access, unknown keys refused, errors that name file, line and key.
 #pragma once
 
-#include <yaml-cpp/yaml.h>
-
 #include <filesystem>
+#include <memory>
 #include <string>
-#include <type_traits>
-#include <utility>
 #include <vector>
 
-#include "base/strict_yaml.h"
+namespace YAML {
+class Node;
+}
 
 namespace rds {
 
@@ -22,19 +21,12 @@ class YamlMapping {
               std::string name = "");
 
   [[nodiscard]] const std::filesystem::path& file() const { return file_; }
-  [[nodiscard]] YAML::Node At(const std::string& key) const { return node_[key]; }
+  [[nodiscard]] YAML::Node At(const std::string& key) const;
 
-  // Leaves `value` where the key is not there. `wanted` completes "... must be".
+  // Leaves `value` where the key is not there. `wanted` completes "... must be". For the types at the end of the .cc
+  // file.
   template <typename T>
-  void Read(const std::string& key, T& value, const std::string& wanted = Kind<T>()) const {
-    if (const YAML::Node node = node_[key]) {
-      try {
-        value = node.as<T>();
-      } catch (const YAML::Exception&) {
-        Refuse(key, wanted);
-      }
-    }
-  }
+  void Read(const std::string& key, T& value, const std::string& wanted = "") const;
   // A word that must be there.
   [[nodiscard]] std::string Need(const std::string& key) const;
   // The elements of a list; none where there is no such key.
@@ -43,25 +35,11 @@ class YamlMapping {
   [[noreturn]] void Refuse(const std::string& key, const std::string& wanted) const;
 
  private:
-  template <typename T>
-  static const char* Kind() {
-    if constexpr (std::is_same_v<T, bool>) {
-      return "true or false";
-    } else if constexpr (std::is_arithmetic_v<T>) {
-      return "a number";
-    } else if constexpr (std::is_same_v<T, std::string>) {
-      return "a word";
-    } else if constexpr (requires { typename T::mapped_type; }) {
-      return "a mapping";
-    } else {
-      return "a list";
-    }
-  }
   [[nodiscard]] std::string Path(const std::string& key) const { return name_.empty() ? key : name_ + "." + key; }
 
   std::filesystem::path file_;
   std::string name_;
-  const YAML::Node node_;  // const: a node that is not asks for a key by adding it
+  std::shared_ptr<const YAML::Node> node_;  // const: a node that is not asks for a key by adding it
 };
 
 }  // namespace rds

@@ -2,6 +2,7 @@
 #include "cli/suite.h"
 
 #include <spdlog/fmt/fmt.h>
+#include <yaml-cpp/yaml.h>
 
 #include <algorithm>
 #include <cctype>

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <unordered_map>
 #include <utility>
@@ -20,7 +21,7 @@ constexpr std::size_t kClearMatches = 100;  // with so many no other candidate i
 constexpr int kSharedAround = 5;            // points that tie a keyframe to another
 constexpr std::size_t kAround = 10;         // best covisible keyframes that are beside one
 constexpr std::size_t kWitnesses = 2;       // that are asked
-constexpr PlaceBounds kWitnessBounds{20, 0.85, 100};
+constexpr PlaceBounds kWitnessBounds{20, 0.85, 100, std::numeric_limits<double>::infinity()};
 constexpr std::size_t kWeld = 15;  // covisible keyframes on which points are fused
 constexpr int kErasedEvery = 100;  // keyframes
 // A correction that the way travelled explains; beyond it, more must be seen.

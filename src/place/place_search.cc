@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "place/place_search.h"
 
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
 #include <unordered_set>
 
 #include "base/error.h"
@@ -122,6 +125,13 @@ SurfaceAgreement HoldAgainst(const PlaceQuery& query, const Rigid3& camera_from_
   return agreement;
 }
 
+double PositionSigma_m(const Eigen::Matrix<double, 6, 6>& information) {
+  const Eigen::Matrix3d covariance = information.inverse().topLeftCorner<3, 3>();
+  const double most =
+      covariance.allFinite() ? Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvalues().maxCoeff() : -1;
+  return most >= 0 ? std::sqrt(most) : std::numeric_limits<double>::infinity();
+}
+
 // Matches around the projections of all static points, from coarse to fine; then the surfaces.
 std::optional<PlaceFound> Refine(const PlaceQuery& query, Estimate estimate, const PlaceCandidate& candidate,
                                  const ScalePyramid& pyramid, const PoseOptimizerOptions& options) {
@@ -151,6 +161,7 @@ std::optional<PlaceFound> Refine(const PlaceQuery& query, Estimate estimate, con
   found.camera_from_world = estimate.pose.camera_from_world;
   found.camera_from_keyframe = found.camera_from_world * candidate.keyframe_from_world.Inverse();
   found.information = estimate.pose.information;
+  found.sigma_m = PositionSigma_m(found.information);
   for (const PointMatch& match : estimate.matches) {
     found.matches.emplace_back(match.keypoint, map.ids[match.point]);
   }

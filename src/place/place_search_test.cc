@@ -93,6 +93,30 @@ TEST(PlaceSearch, WhatOnlyLooksTheSameIsGivenAwayByItsSurfaces) {
   EXPECT_LT(found->surfaces.Share(), kRelocalizationBounds.surfaces);
 }
 
+// Above people there may be a strip of wall only, where position and rotation make up for each other.
+TEST(PlaceSearch, MatchesSideBySideMakeAPoseUncertain) {
+  const Scene scene;
+  const RingWorld::View view = scene.world.Look(scene.world.PoseAt(1), 5);
+  std::vector<Keypoint> keypoints;
+  std::vector<Descriptor> descriptors;
+  for (std::size_t i = 0; i < view.data->size(); ++i) {
+    if (view.data->keypoints()[i].y < 120) {
+      keypoints.push_back(view.data->keypoints()[i]);
+      descriptors.push_back(view.data->descriptors()[i]);
+    }
+  }
+  const auto strip = scene.Find(
+      {std::make_shared<const FrameData>(TestCamera(), keypoints, descriptors, view.data->depth_grid()), {}});
+  auto whole = scene.Find({view.data, {}});
+  ASSERT_TRUE(strip && whole);
+  EXPECT_LT(whole->sigma_m, 0.01);
+  EXPECT_GT(strip->sigma_m, 2 * whole->sigma_m);
+  ASSERT_TRUE(IsWithin(*whole, kRelocalizationBounds) && IsWithin(*whole, kLoopBounds));
+  whole->sigma_m = 0.02;
+  EXPECT_FALSE(IsWithin(*whole, kRelocalizationBounds) || IsWithin(*whole, kAgreeingBounds) ||
+               IsWithin(*whole, kLoopBounds));
+}
+
 // Somebody stands before the camera: what the earlier views saw is hidden, not contradicted.
 TEST(PlaceSearch, PeopleInAQueryWithoutLabelsDoNotSpeakAgainstIt) {
   const Scene scene;

@@ -2,6 +2,7 @@
 #include "segmentation/segmentation_model.h"
 
 #include <spdlog/fmt/fmt.h>
+#include <yaml-cpp/yaml.h>
 
 #include <algorithm>
 #include <cmath>
