@@ -76,13 +76,13 @@ struct PlaceFound {
 
 // What a pose is worth depends on what hangs on it: a lost camera looks again in the next frame, a loop bends a map.
 // By people before the camera wrong poses were found with up to 60 matches, of which no two in a row were the same. Of
-// 284 poses found in the kitchen with people, cut to pieces, four with 50 matches or more were off by more than 0.2 m:
-// three had a sigma of 16 to 47 mm, as four others had, and the fourth explained 0.88 of the surfaces.
+// 284 poses found in the kitchen with people, cut to pieces, those with 50 matches or more that were off by more than
+// 0.15 m had a sigma of 9 to 47 mm, but for one that explained 0.88 of the surfaces; one in thirty of the others had.
 struct PlaceBounds {
   int matches = 0;
   double surfaces = 0;  // share of what can be judged
   int judged = 0;       // samples
-  double sigma_m = 0.015;
+  double sigma_m = 0.008;
 };
 inline constexpr PlaceBounds kRelocalizationBounds{70, 0.9, 1000};
 inline constexpr PlaceBounds kAgreeingBounds{30, 0.85, 1000};  // of two frames one after the other
