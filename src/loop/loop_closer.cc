@@ -17,10 +17,9 @@ namespace {
 
 constexpr std::size_t kLoopCandidates = 3;
 constexpr std::size_t kRelocalizationCandidates = 5;
-constexpr std::size_t kClearMatches = 100;  // with so many no other candidate is tried
-constexpr int kSharedAround = 5;            // points that tie a keyframe to another
-constexpr std::size_t kAround = 10;         // best covisible keyframes that are beside one
-constexpr std::size_t kWitnesses = 2;       // that are asked
+constexpr int kSharedAround = 5;       // points that tie a keyframe to another
+constexpr std::size_t kAround = 10;    // best covisible keyframes that are beside one
+constexpr std::size_t kWitnesses = 2;  // that are asked
 constexpr PlaceBounds kWitnessBounds{20, 0.85, 100, std::numeric_limits<double>::infinity()};
 constexpr std::size_t kWeld = 15;  // covisible keyframes on which points are fused
 constexpr int kErasedEvery = 100;  // keyframes
@@ -111,8 +110,8 @@ std::optional<PlaceFound> LoopCloser::Relocalize(const MapAccess& map, const Pla
     auto found = plan ? VerifyPlace(query, *plan, pyramid_, pose_) : std::nullopt;
     if (found && IsWithin(*found, kAgreeingBounds) && (!best || found->matches.size() > best->matches.size())) {
       best = std::move(found);
-      if (best->matches.size() >= kClearMatches) {
-        break;
+      if (std::ssize(best->matches) >= kClearMatches) {
+        break;  // no other candidate is tried
       }
     }
   }

@@ -178,7 +178,7 @@ TEST(LoopCloser, FindsALostFrameInAnyWorld) {
 
 // What few matches say of one frame may be wrong; of two frames in a row the same is not.
 TEST(LoopCloser, AFrameOfWhichLittleIsKnownIsFoundOnceAnotherAgrees) {
-  Scene scene({.keyframes = 60, .rounds = 0.4, .landmarks_per_m = 25});
+  Scene scene({.keyframes = 60, .rounds = 0.4, .landmarks_per_m = 32});
   scene.Learn(scene.world.AddTo(scene.map, 0, 60));
   const auto relocalize = [&](int at, std::uint64_t noise, double timestamp_s) {
     return scene.closer.Relocalize(

@@ -80,17 +80,19 @@ struct PlaceFound {
 // 0.15 m had a sigma of 9 to 47 mm, but for one that explained 0.88 of the surfaces; one in thirty of the others had.
 struct PlaceBounds {
   int matches = 0;
-  double surfaces = 0;  // share of what can be judged
-  int judged = 0;       // samples
-  double sigma_m = 0.008;
+  double surfaces = 0;     // share of what can be judged
+  int judged = 0;          // samples
+  double sigma_m = 0.008;  // twice that where there are kClearMatches
 };
+inline constexpr int kClearMatches = 100;
 inline constexpr PlaceBounds kRelocalizationBounds{70, 0.9, 1000};
 inline constexpr PlaceBounds kAgreeingBounds{30, 0.85, 1000};  // of two frames one after the other
 inline constexpr PlaceBounds kLoopBounds{50, 0.85, 200};
 
 [[nodiscard]] inline bool IsWithin(const PlaceFound& found, const PlaceBounds& bounds) {
+  const double sigma_m = (std::ssize(found.matches) >= kClearMatches ? 2 : 1) * bounds.sigma_m;
   return std::ssize(found.matches) >= bounds.matches && found.surfaces.Judged() >= bounds.judged &&
-         found.surfaces.Share() >= bounds.surfaces && found.sigma_m <= bounds.sigma_m;
+         found.surfaces.Share() >= bounds.surfaces && found.sigma_m <= sigma_m;
 }
 
 // Looks for the pose of a query in a candidate's surroundings: matches by appearance, RANSAC over 3-D to 3-D

@@ -112,7 +112,7 @@ TEST(PlaceSearch, MatchesSideBySideMakeAPoseUncertain) {
   EXPECT_LT(whole->sigma_m, 0.01);
   EXPECT_GT(strip->sigma_m, 2 * whole->sigma_m);
   ASSERT_TRUE(IsWithin(*whole, kRelocalizationBounds) && IsWithin(*whole, kLoopBounds));
-  whole->sigma_m = 0.02;
+  whole->sigma_m = 0.03;
   EXPECT_FALSE(IsWithin(*whole, kRelocalizationBounds) || IsWithin(*whole, kAgreeingBounds) ||
                IsWithin(*whole, kLoopBounds));
 }
