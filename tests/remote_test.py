@@ -138,7 +138,7 @@ class Serve(RemoteTest):
         self.assertGreater(len(names), 2)
         for name in names:
             self.assertEqual((self.local / "mask" / name).read_bytes(), (remote / "mask" / name).read_bytes(), name)
-        self.assertGreater(max((self.local / "mask" / name).stat().st_size for name in names), 500)  # people in it
+        self.assertGreater(max((self.local / "mask" / name).stat().st_size for name in names), 500)  # something in it
 
     def test_runs_are_the_same(self):
         with self.serve() as server:
