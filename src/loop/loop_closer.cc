@@ -142,9 +142,6 @@ std::optional<LoopCloser::Subject> LoopCloser::Describe(const MapAccess& map, Ke
     for (const auto& [tied, points] : shared) {
       if (points >= kSharedAround) {
         subject.around.insert(tied);
-        for (const KeyframeId second : locked.BestCovisible(tied, kAround)) {
-          subject.around.insert(second);
-        }
       }
     }
     if (keyframe->parent.valid()) {

@@ -16,6 +16,7 @@
 namespace rds {
 namespace {
 
+using testing::AnyOf;
 using testing::IsEmpty;
 
 struct Scene {
@@ -77,6 +78,28 @@ TEST(LoopCloser, APlaceThatIsTiedByPointsIsNotFoundAgain) {
     const auto again = scene.closer.Close(scene.access, closure.keyframe);
     EXPECT_FALSE(again && again->place == closure.place) << closure.keyframe.value;
   }
+}
+
+// A few points that both ends of a revisit see, of a relocalization that was a little off, say, do not fix it.
+TEST(LoopCloser, APlaceIsFoundAgainBesideOneThatIsTiedByAFewPoints) {
+  Scene scene({.turn_rad = 0.001});
+  const std::vector<KeyframeId> ids = scene.world.AddTo(scene.map, 0, 160);
+  for (const KeyframeId id : ids) {
+    scene.closer.Index(scene.access, id);
+  }
+  constexpr std::size_t kTied = 14;  // the last one was taken beside it
+  Correction correction;
+  for (std::uint32_t k = 0; correction.matches.size() < 6; ++k) {
+    const PointId point = scene.map.At(ids[kTied]).points[k];
+    if (point.valid()) {
+      correction.matches.push_back({point, {ids.back(), scene.map.At(ids.back()).pose_revision}, k});
+    }
+  }
+  scene.map.Apply(correction);
+  scene.map.UpdateCovisibility(ids.back());
+  const auto closure = scene.closer.Close(scene.access, ids.back());
+  ASSERT_TRUE(closure.has_value());
+  EXPECT_THAT(closure->place, AnyOf(ids[kTied - 2], ids[kTied - 1], ids[kTied + 1], ids[kTied + 2]));
 }
 
 TEST(LoopCloser, WithoutARevisitThereIsNoLoop) {
