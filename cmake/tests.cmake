@@ -35,8 +35,10 @@ foreach(folder base geometry optim feature segmentation map semantic propagation
   endif()
   if(RDS_SANITIZE)  # few processes: scenes are rendered once in each, which is slow there
     set(shards 1)
-    if(folder MATCHES "^(synth|system)$")  # long ones, on two cores
+    if(folder STREQUAL "synth")  # long ones, on two cores
       set(shards 2)
+    elseif(folder STREQUAL "system")
+      set(shards 4)
     endif()
     # What asks for accuracy, or for the same again in each variant, is for the dev build: its code runs here in the others.
     set(arguments "")

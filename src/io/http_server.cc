@@ -32,6 +32,8 @@ namespace beast = boost::beast;
 namespace http = beast::http;
 using asio::ip::tcp;
 
+constexpr std::size_t kRead_bytes = 65536;  // at once; by itself Beast begins with 512, and images take long
+
 // What all connections share.
 struct Shared {
   HttpServerOptions options;
@@ -57,6 +59,9 @@ class Connection : public std::enable_shared_from_this<Connection> {
   Connection(tcp::socket socket, std::shared_ptr<Shared> shared)
       : stream_(std::move(socket)), shared_(std::move(shared)) {
     ++shared_->connections;
+    buffer_.reserve(kRead_bytes);
+    beast::error_code ignored;
+    stream_.socket().set_option(tcp::no_delay(true), ignored);  // the end of an answer is not held back
   }
   ~Connection() { --shared_->connections; }
   Connection(const Connection&) = delete;
