@@ -61,7 +61,7 @@ class LoopCloser {
     WorldId world;
     Rigid3 camera_from_world;
     std::vector<PointId> known;             // that it or its best covisible keyframes see, ascending
-    std::unordered_set<KeyframeId> around;  // what shares points with it
+    std::unordered_set<KeyframeId> around;  // what shares points with it, its parent and children
     std::vector<KeyframeId> witnesses;      // best covisible ones
   };
 
