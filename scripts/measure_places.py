@@ -6,7 +6,9 @@
 
 Makes sequences below DIR (`rds synth --scenario building`, scripts/rearrange_sequence.py), runs `rds run` on each, in
 lockstep unless --threaded says how many runs there are of each, and writes DIR/runs.csv and DIR/summary.md. What is there
-already is not run again. A run is wrong if a pose of its largest world is off by more than 0.35 m.
+already is not run again. Beside what loops make of a trajectory stands what the best of them could: see
+scripts/closed_by_truth.py (with scipy only). The building's sequences (0.5 GB each) are removed once all studies of their seed have run,
+unless --keep. A run is wrong if a pose of its largest world is off by more than 0.35 m.
 
 Studies of the kitchen (--kitchen: folder with kitchen_static, kitchen_walking, kitchen_crowd):
   kidnap_nobody, kidnap_walking, kidnap_crowd      frames 0 to 400, the lens covered for two seconds, 700 to 1000, 0 to 200
@@ -26,37 +28,45 @@ import csv
 import json
 import pathlib
 import random
+import shutil
 import statistics
 import subprocess
 import sys
 
+try:
+    from closed_by_truth import closed_by_truth
+except ImportError:
+    closed_by_truth = None
+
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 ROUND = 2322  # frames once round the building
+OVERLAP = 380  # and on
 WRONG_M = 0.35
 MASKS = ["--segmenter", "stored", "--set", "semantic.stored.delay_ms=200"]
 KITCHEN = {"nobody": "kitchen_static", "walking": "kitchen_walking", "crowd": "kitchen_crowd"}
 STUDIES = [f"{kind}_{who}" for kind in ("kidnap", "pieces") for who in KITCHEN] + [
     "ring", "ring_walking", "drift_005", "drift_02", "alike", "back", "redecorated", "covered"]
+ALONE = {"ring": [], "ring_walking": [], "drift_005": ["--depth-error", "0.005"], "drift_02": ["--depth-error", "0.02"],
+         "alike": ["--alike"]}  # with the options of `rds synth`
+SECOND_SESSIONS = {"back": ["--path", "ring_back"], "redecorated": ["--decor", "1"]}
 COMPARED = {"ring", "ring_walking", "drift_005", "drift_02"}  # with runs without loops
 
 
 class Sequences:
-    """Makes what the studies need, once."""
+    """Those of a seed, each made where it is asked for first."""
 
-    def __init__(self, arguments):
+    def __init__(self, arguments, seed):
         self.arguments = arguments
-        self.folder = arguments.out / "sequences"
+        self.seed = seed
+        self.folder = arguments.out / "sequences" / str(seed)
 
-    def synth(self, name, *options):
+    def building(self, name, *options, people=False):
         folder = self.folder / name
         if not (folder / "groundtruth.txt").exists():
             run([self.arguments.rds, "synth", "--out", folder, "--scenario", "building", "--width",
-                 str(self.arguments.width), *options])
+                 str(self.arguments.width), "--seed", str(self.seed), "--movers", "4" if people else "0",
+                 "--frames", str(ROUND + OVERLAP), *options])
         return folder
-
-    def ring(self, seed, name="ring", *options, people=False):
-        return self.synth(f"{name}-{seed}", "--seed", str(seed), "--movers", "4" if people else "0",
-                          "--frames", str(ROUND + 380), *options)
 
     def rearranged(self, name, source, pieces):
         folder = self.folder / name
@@ -67,34 +77,36 @@ class Sequences:
                 (folder / "camera.yaml").write_text(camera.read_text())
         return folder
 
-    def make(self, study, seed):
-        """Folder of the sequence, and where in it the camera is somewhere else at once."""
+    def pieces(self, study):
+        """Those that a study's sequence is put together from; none if it is used as it was made."""
+        kind = study.partition("_")[0]
+        if kind == "kidnap":
+            return ["0:400", "black:60", "700:1000", "0:200"]
+        if kind == "pieces":
+            order = list(range(5))
+            random.Random(self.seed).shuffle(order)
+            return [f"{200 * i}:{200 * i + 200}" for i in order]
+        if kind == "covered":
+            return ["0:500", "black:45", "530:1300", "black:120", f"1400:{ROUND + OVERLAP}"]
+        if kind in SECOND_SESSIONS:
+            return [f"0:{ROUND}", "black:15", f"{self.folder / kind}@0:{ROUND}"]
+        return []
+
+    def make(self, study):
+        """The folder of a study's sequence."""
         kind, _, who = study.partition("_")
         if kind in ("kidnap", "pieces"):
             if self.arguments.kitchen is None:
                 sys.exit(f"{study}: wants --kitchen FOLDER")
-            pieces = ["0:400", "black:60", "700:1000", "0:200"]
-            if kind == "pieces":
-                order = list(range(5))
-                random.Random(seed).shuffle(order)
-                pieces = [f"{200 * i}:{200 * i + 200}" for i in order]
-            return self.rearranged(f"{study}-{seed}", self.arguments.kitchen / KITCHEN[who], pieces), cuts(pieces)
-        if study == "ring_walking":
-            return self.ring(seed, study, people=True), []
-        if kind == "drift":
-            return self.ring(seed, study, "--depth-error", {"005": "0.005", "02": "0.02"}[who]), []
-        if study == "alike":
-            return self.ring(seed, study, "--alike"), []
-        ring = self.ring(seed)
-        if study == "covered":
-            pieces = ["0:500", "black:45", "530:1300", "black:120", f"1400:{ROUND + 380}"]
-        elif study == "back":
-            pieces = [f"0:{ROUND}", "black:15", f"{self.ring(seed, study, '--path', 'ring_back')}@0:{ROUND}"]
-        elif study == "redecorated":
-            pieces = [f"0:{ROUND}", "black:15", f"{self.ring(seed, study, '--decor', '1')}@0:{ROUND}"]
-        else:
-            return ring, []
-        return self.rearranged(f"{study}-joined-{seed}", ring, pieces), cuts(pieces)
+            return self.rearranged(study, self.arguments.kitchen / KITCHEN[who], self.pieces(study))
+        if study in ALONE:
+            return self.building(study, *ALONE[study], people=study == "ring_walking")
+        if study in SECOND_SESSIONS:
+            self.building(study, *SECOND_SESSIONS[study])
+        return self.rearranged(f"{study}_joined", self.building("ring"), self.pieces(study))
+
+    def remove(self):
+        shutil.rmtree(self.folder, ignore_errors=True)
 
 
 def run(command):
@@ -130,11 +142,12 @@ def lost_after(folder, jumps):
     return counts
 
 
-def measure(arguments, sequences, study, seed, repetition, loops):
-    sequence, jumps = sequences.make(study, seed)
+def measure(arguments, sequences, study, repetition, loops):
+    seed = sequences.seed
     name = f"{seed}" + ("" if loops else "-noloops") + (f"-{repetition}" if arguments.threaded else "")
     folder = arguments.out / "runs" / study / name
     if not (folder / "report.json").exists():
+        sequence = sequences.make(study)
         camera = sequence / "camera.yaml"
         people = study.endswith(("walking", "crowd"))
         command = [arguments.rds, "run", sequence, "--out", folder, "--camera", camera if camera.exists() else "redkitchen"]
@@ -142,13 +155,17 @@ def measure(arguments, sequences, study, seed, repetition, loops):
         command += [] if arguments.threaded else ["--lockstep"]
         command += [] if loops else ["--set", "loop.enabled=false"]
         run(command)
+        if not loops and closed_by_truth is not None:
+            _, closed = closed_by_truth(sequence / "groundtruth.txt", folder / "trajectory.txt", ROUND)
+            (folder / "closed_by_truth.txt").write_text(f"{closed:.6f}\n")
     report = json.loads((folder / "report.json").read_text())
     accuracy = report["ate_m"] or {}
+    closed = folder / "closed_by_truth.txt"
     return {"study": study, "seed": seed, "run": repetition, "loop lane": int(loops), "frames": report["frames"],
             "tracked": report["tracked"], "found": report["found"], "coverage": round(report["coverage"], 4),
             "worlds": len(report["worlds"]), "loops": report["loops"], "relocalizations": report["relocalizations"],
-            "merges": report["merges"], "ate_m": accuracy.get("rmse"), "max_m": accuracy.get("max"),
-            "lost_after_cuts": " ".join(str(count) for count in lost_after(folder, jumps))}
+            "merges": report["merges"], "ate_m": accuracy.get("rmse"), "max_m": accuracy.get("max"), "closed_by_truth_m": float(closed.read_text()) if closed.exists() else None,
+            "lost_after_cuts": " ".join(str(count) for count in lost_after(folder, cuts(sequences.pieces(study))))}
 
 
 def spread(values, form="{:.4f}"):
@@ -160,16 +177,22 @@ def spread(values, form="{:.4f}"):
 
 def summarize(rows):
     lines = ["| study | runs | worlds 1 | coverage | lost after cuts: to 3 frames, more | loops, merges, relocalizations | "
-             "ATE, m | without loops | largest error, m | wrong |", "|---|---|---|---|---|---|---|---|---|---|"]
+             "ATE, m | without loops | closed by truth | with over without, closed by truth over without | "
+             "largest error, m | wrong |", "|---" * 12 + "|"]
     for study in dict.fromkeys(row["study"] for row in rows):
         mine = [row for row in rows if row["study"] == study and row["loop lane"]]
-        other = [row["ate_m"] for row in rows if row["study"] == study and not row["loop lane"]]
+        other = [row for row in rows if row["study"] == study and not row["loop lane"]]
+        without = {(row["seed"], row["run"]): row["ate_m"] for row in other}
+        ratios = [row["ate_m"] / without[row["seed"], row["run"]] for row in mine if (row["seed"], row["run"]) in without]
+        bounds = [row["closed_by_truth_m"] / row["ate_m"] for row in other if row["closed_by_truth_m"]]
         lost = [int(count) for row in mine for count in row["lost_after_cuts"].split()]
         events = ", ".join(str(sum(row[kind] for row in mine)) for kind in ("loops", "merges", "relocalizations"))
         lines.append(f"| {study} | {len(mine)} | {sum(row['worlds'] == 1 for row in mine)} | "
                      f"{spread([row['coverage'] for row in mine], '{:.3f}')} | "
                      f"{sum(count <= 3 for count in lost)}, {sum(count > 3 for count in lost)} | {events} | "
-                     f"{spread([row['ate_m'] for row in mine])} | {spread(other)} | "
+                     f"{spread([row['ate_m'] for row in mine])} | "
+                     f"{spread([row['ate_m'] for row in other])} | {spread([row['closed_by_truth_m'] for row in other])} | "
+                     f"{spread(ratios, '{:.2f}')}, {spread(bounds, '{:.2f}')} | "
                      f"{spread([row['max_m'] for row in mine], '{:.3f}')} | "
                      f"{sum((row['max_m'] or 0) > WRONG_M for row in mine)} |")
     return "\n".join(lines) + "\n"
@@ -185,34 +208,32 @@ def main():
     parser.add_argument("--threaded", type=int, default=0, metavar="RUNS", help="at the recorded rate, so many of each")
     parser.add_argument("--options", default="", help=f"of `rds run` where there are people; default: {' '.join(MASKS)}")
     parser.add_argument("--width", type=int, default=320, help="of the building's images")
+    parser.add_argument("--keep", action="store_true", help="the sequences")
     parser.add_argument("--jobs", type=int, default=1, help="runs at once, in lockstep only")
     arguments = parser.parse_args()
     studies = arguments.studies or [study for study in STUDIES if arguments.kitchen or study.partition("_")[0] not in
                                     ("kidnap", "pieces")]
     if unknown := set(studies) - set(STUDIES):
         sys.exit(f"unknown: {', '.join(sorted(unknown))}; there are {', '.join(STUDIES)}")
-    sequences = Sequences(arguments)
-    work = [(study, seed, repetition, loops) for study in studies
-            for seed in range(1, 2 if study.startswith("kidnap") else arguments.seeds + 1)
-            for repetition in range(1, max(1, arguments.threaded) + 1)
-            for loops in ((True, False) if study in COMPARED else (True,))]
-    seeds = sorted({seed for _, seed, _, _ in work})
-
-    def make(seed):  # all of a seed by one: studies share them
-        for study in dict.fromkeys(item[0] for item in work if item[1] == seed):
-            sequences.make(study, seed)
-
-    with concurrent.futures.ThreadPoolExecutor(arguments.jobs) as executor:
-        for count, _ in enumerate(executor.map(make, seeds), 1):
-            print(f"\rsequences of {count} of {len(seeds)} seeds made    ", end="", file=sys.stderr, flush=True)
+    seeds = range(1, 2 if all(study.startswith("kidnap") for study in studies) else arguments.seeds + 1)
     rows = []
-    jobs = 1 if arguments.threaded else arguments.jobs
-    with concurrent.futures.ThreadPoolExecutor(jobs) as executor:
-        futures = [executor.submit(measure, arguments, sequences, *item) for item in work]
-        for count, (item, future) in enumerate(zip(work, futures), 1):
-            rows.append(future.result())
-            print(f"\r{count} of {len(work)}: {item[0]}, {item[1]}    ", end="", file=sys.stderr, flush=True)
+
+    def of_seed(seed):  # studies share sequences
+        sequences = Sequences(arguments, seed)
+        for study in studies:
+            if study.startswith("kidnap") and seed > 1:
+                continue
+            for loops in (True, False) if study in COMPARED else (True,):
+                for repetition in range(1, max(1, arguments.threaded) + 1):
+                    rows.append(measure(arguments, sequences, study, repetition, loops))
+                    print(f"\r{len(rows)} runs: {study}, {seed}    ", end="", file=sys.stderr, flush=True)
+        if not arguments.keep:
+            sequences.remove()
+
+    with concurrent.futures.ThreadPoolExecutor(1 if arguments.threaded else arguments.jobs) as executor:
+        list(executor.map(of_seed, seeds))
     print(file=sys.stderr)
+    rows.sort(key=lambda row: (studies.index(row["study"]), row["seed"], -row["loop lane"], row["run"]))
     with (arguments.out / "runs.csv").open("w", newline="") as file:
         writer = csv.DictWriter(file, rows[0].keys())
         writer.writeheader()

@@ -64,6 +64,34 @@ struct Ring {
   }
 };
 
+// Of a long chain, whose bending as a whole is 10 million times softer than one pose alone.
+TEST(PoseGraph, ALoopOfTenThousandIsBentToTheEnd) {
+  constexpr std::uint32_t kCount = 10'000;
+  constexpr double kRadius_m = 400;
+  constexpr double kTurn_rad = 1e-5;
+  std::vector<Rigid3> truth;
+  PoseGraphProblem problem;
+  for (std::uint32_t i = 0; i < kCount; ++i) {
+    const double angle = 2 * std::numbers::pi * i / kCount;
+    truth.push_back(
+        Rigid3{ExpSo3({0, angle, 0}), {kRadius_m * std::sin(angle), 0, kRadius_m * std::cos(angle)}}.Inverse());
+    problem.poses.push_back({truth[i], i == 0});
+    if (i > 0) {
+      Rigid3 motion = truth[i] * truth[i - 1].Inverse();
+      motion.rotation = ExpSo3({0, kTurn_rad, 0}) * motion.rotation;
+      problem.poses[i].camera_from_world = motion * problem.poses[i - 1].camera_from_world;
+      problem.edges.push_back({i - 1, i, motion});
+    }
+  }
+  problem.edges.push_back({0, kCount - 1, truth[kCount - 1] * truth[0].Inverse()});
+  const PoseGraphResult result = OptimizePoseGraph(problem);
+  ASSERT_TRUE(result.usable);
+  EXPECT_LT(result.iterations, 10);
+  for (std::size_t i = 0; i < truth.size(); i += 100) {
+    EXPECT_LT((result.poses[i].Inverse().translation - truth[i].Inverse().translation).norm(), 0.1) << i;
+  }
+}
+
 TEST(PoseGraph, ALoopTakesTheDriftAway) {
   for (const std::uint64_t seed : {1U, 2U, 3U, 4U, 5U}) {
     Ring ring(400, seed);
