@@ -225,9 +225,13 @@ TEST_P(SlamPlaces, APieceBegunElsewhereIsMergedWhereItIsSeenAgainAndNobodyJumps)
   EXPECT_GT(checked, 80);
   // The merge shows in the live poses within five frames (Kimera-VIO #235: a correction that never gets there).
   const auto merge = std::ranges::find(played.result.events, SlamEventKind::kWorldsMerged, &SlamEvent::kind);
+  const Rigid3 world_from_truth = played.result.frames[40].world_from_camera * tape.Truth(40).Inverse();  // as merged
   for (std::size_t i = merge->frame.index() + 5; i < played.frames.size(); ++i) {
     EXPECT_EQ(played.frames[i].world, played.result.worlds.front().world) << i;
     EXPECT_GT(played.frames[i].epoch, played.frames.front().epoch) << i;
+    ASSERT_TRUE(played.frames[i].world_from_camera) << i;
+    const Rigid3 expected = world_from_truth * tape.Truth(i);
+    EXPECT_LT((played.frames[i].world_from_camera->translation - expected.translation).norm(), 0.06) << i;
   }
 }
 

@@ -34,7 +34,8 @@ struct RingOptions {
 // again after losing sight of it becomes new points: as if tracking had never known the place.
 class RingWorld {
  public:
-  explicit RingWorld(const RingOptions& options) : options_(options) {
+  explicit RingWorld(const RingOptions& options)
+      : options_(options), cells_(std::max(360, static_cast<int>(45 * options.radius_m))) {
     Random random(options.seed);
     const double round_m = 2 * std::numbers::pi * options.radius_m;
     const int count = static_cast<int>(round_m * options.landmarks_per_m);
@@ -76,7 +77,7 @@ class RingWorld {
     const Eigen::Vector3d center = camera_from_world.Inverse().translation;
     const int here = CellOf(std::atan2(center.x(), center.z()));
     for (int cell = here - kReach; cell <= here + kReach; ++cell) {
-      const auto found = by_cell_.find((cell + kCells) % kCells);
+      const auto found = by_cell_.find((cell + cells_) % cells_);
       for (const std::uint32_t i : found != by_cell_.end() ? found->second : std::vector<std::uint32_t>{}) {
         const Eigen::Vector3d in_camera = camera_from_world * landmarks_[i];
         if (in_camera.z() < 0.5 || in_camera.z() > 5) {
@@ -158,16 +159,15 @@ class RingWorld {
 
  private:
   static constexpr double kHalf_m = 1.2;
-  static constexpr int kCells = 360;
-  static constexpr int kReach = 60;
+  static constexpr int kReach = 60;  // cells, of 14 cm at most
 
   // Half the width of the corridor: pillars and niches, so that each place has a shape of its own.
   static double Wall(double angle) {
     return kHalf_m + 0.25 * std::sin(9 * angle) + 0.15 * std::sin(23 * angle + 2) + 0.1 * std::sin(41 * angle + 1);
   }
-  static int CellOf(double angle) {
+  [[nodiscard]] int CellOf(double angle) const {
     const double turns = angle / (2 * std::numbers::pi);
-    return static_cast<int>((turns - std::floor(turns)) * kCells) % kCells;
+    return static_cast<int>((turns - std::floor(turns)) * cells_) % cells_;
   }
   // Landmarks look like those of the first part of the ring, and lie where those do.
   void Repeat(int times) {
@@ -233,6 +233,7 @@ class RingWorld {
   }
 
   RingOptions options_;
+  int cells_;  // along the ring
   int period_ = 0;
   std::vector<Eigen::Vector3d> landmarks_;
   std::vector<Descriptor> looks_;
