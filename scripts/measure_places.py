@@ -6,8 +6,9 @@
 
 Makes sequences below DIR (`rds synth --scenario building`, scripts/rearrange_sequence.py), runs `rds run` on each, in
 lockstep unless --threaded says how many runs there are of each, and writes DIR/runs.csv and DIR/summary.md. What is there
-already is not run again. Beside what loops make of a trajectory stands what the best of them could: see
-scripts/closed_by_truth.py (with scipy only). The building's sequences (0.5 GB each) are removed once all studies of their seed have run,
+already is not run again. Beside what loops make of a trajectory stands what the best of them could
+(scripts/closed_by_truth.py), and after cuts it is told since when the kitchen shows what was seen before
+(scripts/known_places.py): both with numpy, scipy and Pillow only. The building's sequences (0.5 GB each) are removed once all studies of their seed have run,
 unless --keep. A run is wrong if a pose of its largest world is off by more than 0.35 m.
 
 Studies of the kitchen (--kitchen: folder with kitchen_static, kitchen_walking, kitchen_crowd):
@@ -35,8 +36,9 @@ import sys
 
 try:
     from closed_by_truth import closed_by_truth
+    from known_places import KnownPlaces
 except ImportError:
-    closed_by_truth = None
+    closed_by_truth = KnownPlaces = None
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 ROUND = 2322  # frames once round the building
@@ -117,15 +119,18 @@ def run(command):
 
 def cuts(pieces):
     """First frames that show something after a jump."""
-    found, at = [], 0
+    found, at, before = [], 0, None
     for piece in pieces:
-        first, _, last = piece.rpartition("@")[2].partition(":")
+        folder, _, span = piece.rpartition("@")
+        first, _, last = span.partition(":")
         if first == "black":
             at += int(last)
+            before = None
             continue
-        if at > 0:
+        if at > 0 and (folder, first) != before:
             found.append(at)
         at += abs(int(last) - int(first))
+        before = folder, last
     return found
 
 
@@ -142,6 +147,22 @@ def lost_after(folder, jumps):
     return counts
 
 
+def lost_though_known(sequence, jumps, lost):
+    """Of these the frames from the first that shows a known place, where more than three were lost; - where none did."""
+    places, counts = KnownPlaces(sequence), []
+    for jump, count in zip(jumps, lost):
+        since = places.since(jump, jump + count) if count > 3 else jump
+        counts.append("-" if since is None else str(jump + count - since))
+    return " ".join(counts)
+
+
+def kept(path, compute):
+    """What is computed once."""
+    if not path.exists():
+        path.write_text(f"{compute()}\n")
+    return path.read_text().strip()
+
+
 def measure(arguments, sequences, study, repetition, loops):
     seed = sequences.seed
     name = f"{seed}" + ("" if loops else "-noloops") + (f"-{repetition}" if arguments.threaded else "")
@@ -155,17 +176,22 @@ def measure(arguments, sequences, study, repetition, loops):
         command += [] if arguments.threaded else ["--lockstep"]
         command += [] if loops else ["--set", "loop.enabled=false"]
         run(command)
-        if not loops and closed_by_truth is not None:
-            _, closed = closed_by_truth(sequence / "groundtruth.txt", folder / "trajectory.txt", ROUND)
-            (folder / "closed_by_truth.txt").write_text(f"{closed:.6f}\n")
     report = json.loads((folder / "report.json").read_text())
     accuracy = report["ate_m"] or {}
-    closed = folder / "closed_by_truth.txt"
-    return {"study": study, "seed": seed, "run": repetition, "loop lane": int(loops), "frames": report["frames"],
-            "tracked": report["tracked"], "found": report["found"], "coverage": round(report["coverage"], 4),
-            "worlds": len(report["worlds"]), "loops": report["loops"], "relocalizations": report["relocalizations"],
-            "merges": report["merges"], "ate_m": accuracy.get("rmse"), "max_m": accuracy.get("max"), "closed_by_truth_m": float(closed.read_text()) if closed.exists() else None,
-            "lost_after_cuts": " ".join(str(count) for count in lost_after(folder, cuts(sequences.pieces(study))))}
+    jumps = cuts(sequences.pieces(study))
+    lost = lost_after(folder, jumps)
+    row = {"study": study, "seed": seed, "run": repetition, "loop lane": int(loops), "frames": report["frames"],
+           "tracked": report["tracked"], "found": report["found"], "coverage": round(report["coverage"], 4),
+           "worlds": len(report["worlds"]), "loops": report["loops"], "relocalizations": report["relocalizations"],
+           "merges": report["merges"], "ate_m": accuracy.get("rmse"), "max_m": accuracy.get("max"),
+           "lost_after_cuts": " ".join(str(count) for count in lost), "closed_by_truth_m": None, "lost_though_known": ""}
+    if closed_by_truth is not None and not loops:
+        row["closed_by_truth_m"] = float(kept(folder / "closed_by_truth.txt", lambda: closed_by_truth(
+            sequences.make(study) / "groundtruth.txt", folder / "trajectory.txt", ROUND)[1]))
+    if KnownPlaces is not None and study.startswith(("kidnap", "pieces")):
+        row["lost_though_known"] = kept(folder / "lost_though_known.txt", lambda: lost_though_known(
+            sequences.make(study), jumps, lost))
+    return row
 
 
 def spread(values, form="{:.4f}"):
@@ -176,9 +202,10 @@ def spread(values, form="{:.4f}"):
 
 
 def summarize(rows):
-    lines = ["| study | runs | worlds 1 | coverage | lost after cuts: to 3 frames, more | loops, merges, relocalizations | "
+    lines = ["| study | runs | worlds 1 | coverage | lost after cuts: to 3 frames, more | once a known "
+             "place is seen: to 3 frames, more | loops, merges, relocalizations | "
              "ATE, m | without loops | closed by truth | with over without, closed by truth over without | "
-             "largest error, m | wrong |", "|---" * 12 + "|"]
+             "largest error, m | wrong |", "|---" * 13 + "|"]
     for study in dict.fromkeys(row["study"] for row in rows):
         mine = [row for row in rows if row["study"] == study and row["loop lane"]]
         other = [row for row in rows if row["study"] == study and not row["loop lane"]]
@@ -186,10 +213,12 @@ def summarize(rows):
         ratios = [row["ate_m"] / without[row["seed"], row["run"]] for row in mine if (row["seed"], row["run"]) in without]
         bounds = [row["closed_by_truth_m"] / row["ate_m"] for row in other if row["closed_by_truth_m"]]
         lost = [int(count) for row in mine for count in row["lost_after_cuts"].split()]
+        known = [int(count) for row in mine for count in row["lost_though_known"].split() if count != "-"]
         events = ", ".join(str(sum(row[kind] for row in mine)) for kind in ("loops", "merges", "relocalizations"))
         lines.append(f"| {study} | {len(mine)} | {sum(row['worlds'] == 1 for row in mine)} | "
                      f"{spread([row['coverage'] for row in mine], '{:.3f}')} | "
-                     f"{sum(count <= 3 for count in lost)}, {sum(count > 3 for count in lost)} | {events} | "
+                     f"{sum(count <= 3 for count in lost)}, {sum(count > 3 for count in lost)} | "
+                     f"{sum(count <= 3 for count in known)}, {sum(count > 3 for count in known)} | {events} | "
                      f"{spread([row['ate_m'] for row in mine])} | "
                      f"{spread([row['ate_m'] for row in other])} | {spread([row['closed_by_truth_m'] for row in other])} | "
                      f"{spread(ratios, '{:.2f}')}, {spread(bounds, '{:.2f}')} | "
