@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""What the best of loop closings could make of a trajectory that was estimated without.
+"""What a true loop edge would make of a trajectory that was estimated without loops.
 
     scripts/closed_by_truth.py GROUNDTRUTH TRAJECTORY FRAMES
 
 Bends TRAJECTORY (TUM format) as a pose graph whose only loop edge is the true relative pose between the first pose and
 that FRAMES later. Prints the ATE (root mean square after rigid alignment, meters) of the trajectory and of the bent
-one. A loop closer whose pose graph does as well finds nothing better in that trajectory. Wants scipy.
+one. What remains is not the loop's to mend: noise between its ends. Wants scipy.
 """
 import sys
 

@@ -3,7 +3,9 @@
 Pillow."""
 import numpy as np
 from PIL import Image
+from rearrange_sequence import read_list
 
+FOCAL, CENTER, DEPTH_UNITS = 585.0, (320.0, 240.0), 1000.0  # pixels; in a meter
 STEP = 20  # pixels from sample to sample
 FAR_M = 5.0
 LEAST_SAMPLES = 60
@@ -12,22 +14,16 @@ AGREE_M, AGREE_SHARE = 0.05, 0.03  # of depth
 KNOWN_SHARE = 0.7
 
 
-def read(path):
-    """Lines of a list by their timestamps, as written."""
-    lines = [line.split() for line in path.read_text().splitlines() if line and not line.startswith("#")]
-    return {line[0]: line[1:] for line in lines}
-
-
 class KnownPlaces:
-    """Frames of one camera without distortion (focal length and center, pixels; depth units in a meter), 640 x 480."""
+    """Of a sequence of the kitchen (640 x 480) that scripts/rearrange_sequence.py made: its lists have the same times."""
 
-    def __init__(self, sequence, focal=585.0, center=(320.0, 240.0), units=1000.0):
-        self.sequence, self.focal, self.center, self.units = sequence, focal, center, units
-        self.depth, self.poses = read(sequence / "depth.txt"), read(sequence / "groundtruth.txt")
-        self.masks = read(sequence / "mask.txt") if (sequence / "mask.txt").exists() else {}
-        self.stamps = list(read(sequence / "rgb.txt"))
+    def __init__(self, sequence):
+        self.sequence = sequence
+        self.depth, self.poses = (dict(read_list(sequence / f"{name}.txt")) for name in ("depth", "groundtruth"))
+        self.masks = dict(read_list(sequence / "mask.txt")) if (sequence / "mask.txt").exists() else {}
+        self.stamps = [stamp for stamp, _ in read_list(sequence / "rgb.txt")]
         self.rows, self.columns = np.mgrid[STEP // 2:480:STEP, STEP // 2:640:STEP]
-        self.rays = np.stack([(self.columns - center[0]) / focal, (self.rows - center[1]) / focal,
+        self.rays = np.stack([(self.columns - CENTER[0]) / FOCAL, (self.rows - CENTER[1]) / FOCAL,
                               np.ones(self.rows.shape)], -1)
         self.views = {}
 
@@ -37,11 +33,11 @@ class KnownPlaces:
             stamp = self.stamps[index]
             self.views[index] = None
             if stamp in self.poses:
-                depth = self.samples(self.depth[stamp][0]) / self.units
+                depth = self.samples(self.depth[stamp]) / DEPTH_UNITS
                 if stamp in self.masks:
-                    depth[self.samples(self.masks[stamp][0]) > 0] = 0
+                    depth[self.samples(self.masks[stamp]) > 0] = 0
                 depth[depth > FAR_M] = 0
-                *position, x, y, z, w = map(float, self.poses[stamp])
+                *position, x, y, z, w = map(float, self.poses[stamp].split())
                 rotation = np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
                                      [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
                                      [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]])
@@ -62,8 +58,8 @@ class KnownPlaces:
         world = (self.rays * depth[..., None])[valid] @ rotation.T + position
         there = (world - other_position) @ other_rotation
         z = np.maximum(there[:, 2], 1e-3)
-        column = np.floor((self.focal * there[:, 0] / z + self.center[0]) / STEP).astype(int)
-        row = np.floor((self.focal * there[:, 1] / z + self.center[1]) / STEP).astype(int)
+        column = np.floor((FOCAL * there[:, 0] / z + CENTER[0]) / STEP).astype(int)
+        row = np.floor((FOCAL * there[:, 1] / z + CENTER[1]) / STEP).astype(int)
         inside = (there[:, 2] > 0.2) & (column >= 0) & (column < seen.shape[1]) & (row >= 0) & (row < seen.shape[0])
         depth_there = np.zeros(len(z))
         depth_there[inside] = seen[row[inside], column[inside]]

@@ -6,10 +6,10 @@
 
 Makes sequences below DIR (`rds synth --scenario building`, scripts/rearrange_sequence.py), runs `rds run` on each, in
 lockstep unless --threaded says how many runs there are of each, and writes DIR/runs.csv and DIR/summary.md. What is there
-already is not run again. Beside what loops make of a trajectory stands what the best of them could
+already is not run again. Beside what loops make of a trajectory stands what a true loop edge would
 (scripts/closed_by_truth.py), and after cuts it is told since when the kitchen shows what was seen before
-(scripts/known_places.py): both with numpy, scipy and Pillow only. The building's sequences (0.5 GB each) are removed once all studies of their seed have run,
-unless --keep. A run is wrong if a pose of its largest world is off by more than 0.35 m.
+(scripts/known_places.py): both with numpy, scipy and Pillow only. Sequences (0.5 GB each of the building) are removed
+once all studies of their seed have run, unless --keep. A run is wrong if a pose of its largest world is off by more than 0.35 m.
 
 Studies of the kitchen (--kitchen: folder with kitchen_static, kitchen_walking, kitchen_crowd):
   kidnap_nobody, kidnap_walking, kidnap_crowd      frames 0 to 400, the lens covered for two seconds, 700 to 1000, 0 to 200
@@ -244,7 +244,6 @@ def main():
                                     ("kidnap", "pieces")]
     if unknown := set(studies) - set(STUDIES):
         sys.exit(f"unknown: {', '.join(sorted(unknown))}; there are {', '.join(STUDIES)}")
-    seeds = range(1, 2 if all(study.startswith("kidnap") for study in studies) else arguments.seeds + 1)
     rows = []
 
     def of_seed(seed):  # studies share sequences
@@ -260,7 +259,7 @@ def main():
             sequences.remove()
 
     with concurrent.futures.ThreadPoolExecutor(1 if arguments.threaded else arguments.jobs) as executor:
-        list(executor.map(of_seed, seeds))
+        list(executor.map(of_seed, range(1, arguments.seeds + 1)))
     print(file=sys.stderr)
     rows.sort(key=lambda row: (studies.index(row["study"]), row["seed"], -row["loop lane"], row["run"]))
     with (arguments.out / "runs.csv").open("w", newline="") as file:
