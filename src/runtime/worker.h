@@ -30,8 +30,9 @@ class Worker {
   // although another is idle, and the caller has to stop for it. Once awake, the thread calls UseAllCores.
   void LeaveCallersCore();
 
-  // The same for a thread that is woken often and works little: it stays off that core, and only a change of the
-  // caller's core costs a system call. It must not call UseAllCores.
+  // The same for good: keeps the thread off whatever core the caller is on; a call costs a system call only where that
+  // has changed. Low priority is no substitute: a scheduler of fair shares lets whatever waits for the core have a
+  // slice of some milliseconds now and then. The thread must not call UseAllCores.
   void StayOffCallersCore();
 
   // Lets the calling thread run on all cores of the process again.

@@ -91,7 +91,6 @@ ThreadedExecutor::~ThreadedExecutor() {
 
 void ThreadedExecutor::RunMapping(Shared& shared) {
   while (auto candidate = shared.keyframes.Pop()) {
-    Worker::UseAllCores();
     const KeyframeId id = shared.lanes->mapping.Map(*candidate, [&] { return shared.keyframes.Size() > 0; });
     --shared.to_map;
     shared.lanes->Learn(id);
@@ -220,8 +219,20 @@ WorkerStatus ThreadedExecutor::Status() const {
   return status;
 }
 
+void ThreadedExecutor::BeginFrame(FrameId /*frame*/) {
+  mapping_->StayOffCallersCore();
+  if (loops_) {
+    loops_->StayOffCallersCore();
+  }
+  if (bundles_) {
+    bundles_->StayOffCallersCore();
+  }
+  if (propagation_) {
+    propagation_->worker.StayOffCallersCore();
+  }
+}
+
 bool ThreadedExecutor::Map(KeyframeCandidate& candidate) {
-  mapping_->LeaveCallersCore();
   ++shared_->to_map;  // before mapping can be done with it
   const bool taken = options_.system.wait_for_mapping ? shared_->keyframes.Push(std::move(candidate))
                                                       : shared_->keyframes.TryPush(std::move(candidate));
@@ -245,7 +256,6 @@ void ThreadedExecutor::RestartPropagation() {
 
 void ThreadedExecutor::Propagate(TrackedFrame frame) {
   if (propagation_) {
-    propagation_->worker.StayOffCallersCore();
     static_cast<void>(propagation_->frames.TryPush(std::move(frame)));
   }
 }

@@ -17,7 +17,7 @@ class ThreadedExecutor final : public Executor {
   ThreadedExecutor(const Options& options, std::shared_ptr<Lanes> lanes);
   ~ThreadedExecutor() override;
 
-  void BeginFrame(FrameId /*frame*/) override {}
+  void BeginFrame(FrameId /*frame*/) override;
   [[nodiscard]] WorkerStatus Status() const override;
   [[nodiscard]] bool Map(KeyframeCandidate& candidate) override;
   void Label(BacklogItem item) override;
