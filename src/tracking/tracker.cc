@@ -18,6 +18,13 @@ constexpr double kSameView_rad = 0.6;  // to an older keyframe: most of the imag
 constexpr int kProbation = 3;        // frames after a recovery that must be as firm as it
 constexpr double kPriorChi2 = 22.5;  // 6 degrees of freedom: 99.9 %
 
+// Shares of the depth that must agree with a pose which matches alone may have got wrong: one that is found anew, and
+// one that keeps under half of the last frame's matches. A person whom no label tells from the room was seen to be the
+// same rigid thing, elsewhere, after a jump: 45 to 75 matches, 0.63 to 0.78 of the depth; right poses have 0.85 and
+// more.
+constexpr double kLeastFound = 0.85;
+constexpr double kLeastKept = 0.75;
+
 // With a pose that is wrong, wide windows find many matches, of which some agree by chance.
 bool IsOutlierDominated(const PoseEstimate& estimate) {
   return 2 * estimate.association.used.size() < estimate.outliers.size();
@@ -31,6 +38,12 @@ bool IsDoubtful(const PoseEstimate& estimate) {
   const auto residual = PriorResidual(*estimate.prior, estimate.camera_from_world);
   return residual.dot(estimate.prior->information * residual) > kPriorChi2 ||
          estimate.outliers.size() > estimate.association.used.size();
+}
+
+std::vector<std::uint32_t> PointsOf(const std::vector<PointMatch>& matches) {
+  std::vector<std::uint32_t> points(matches.size());
+  std::ranges::transform(matches, points.begin(), &PointMatch::point);
+  return points;
 }
 
 }  // namespace
@@ -87,7 +100,8 @@ TrackOutcome Tracker::TrackInMap(const WorkerStatus& status) {
   const bool wide = prior_only || !last_.tracked;
   PoseEstimate estimate = TrackLocalMap(frame, *coarse, wide ? options_.recovery_window_px : options_.local_window_px);
   const bool recovering = !last_.tracked || (frames_since_recovery_ && *frames_since_recovery_ <= kProbation);
-  if (!HasEnoughInliers(estimate.association, recovering) || (prior_only && IsOutlierDominated(estimate))) {
+  if (!HasEnoughInliers(estimate.association, recovering) || (prior_only && IsOutlierDominated(estimate)) ||
+      IsContradicted(estimate)) {
     return Lost(times);
   }
   return Tracked(std::move(estimate), status, times);
@@ -206,6 +220,19 @@ bool Tracker::HasEnoughInliers(const Association& association, bool recovering) 
   return inliers >= enough || association.static_count >= std::max(enough_static, 1);
 }
 
+bool Tracker::IsContradicted(const PoseEstimate& estimate) const {
+  const std::vector<PointMatch>& used = estimate.association.used;
+  if (last_.tracked && 2 * used.size() >= last_.association.used.size()) {
+    return false;
+  }
+  const LocalKeyframe& reference = map_->MostShared(PointsOf(used));
+  const Rigid3 reference_from_camera = reference.camera_from_world * estimate.camera_from_world.Inverse();
+  // Either way will do: people may stand before the one or before the other.
+  const auto here = ExplainedShare(*current_.data, labels_.static_samples, *reference.data, reference_from_camera);
+  const auto there = ExplainedShare(*reference.data, {}, *current_.data, reference_from_camera.Inverse());
+  return (here || there) && std::max(here.value_or(0), there.value_or(0)) < (last_.tracked ? kLeastKept : kLeastFound);
+}
+
 // The last known pose stays the place to search from; the frame itself has none.
 TrackOutcome Tracker::Lost(const StageTimes& times) {
   current_.camera_from_world = last_.camera_from_world;
@@ -235,10 +262,7 @@ TrackOutcome Tracker::Tracked(PoseEstimate estimate, const WorkerStatus& status,
       current_.observations.push_back({match.keypoint, match.point});
     }
   }
-  std::vector<std::uint32_t> seen;
-  seen.reserve(association.used.size());
-  std::ranges::transform(association.used, std::back_inserter(seen), &PointMatch::point);
-  const LocalKeyframe& reference = map_->MostShared(seen);
+  const LocalKeyframe& reference = map_->MostShared(PointsOf(association.used));
   current_.reference = reference.id;
   current_.camera_from_reference = current_.camera_from_world * reference.camera_from_world.Inverse();
 

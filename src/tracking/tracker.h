@@ -114,6 +114,9 @@ class Tracker {
   // The pose from all points of the local map, `window_px` searched around each.
   [[nodiscard]] PoseEstimate TrackLocalMap(const FrameContext& frame, const PoseEstimate& coarse, double window_px);
   [[nodiscard]] bool HasEnoughInliers(const Association& association, bool recovering) const;
+  // Whether depth images speak against a pose that matches alone may have got wrong: one that is found anew, or that
+  // keeps few of the last frame's matches.
+  [[nodiscard]] bool IsContradicted(const PoseEstimate& estimate) const;
   [[nodiscard]] TrackOutcome Lost(const StageTimes& times);
   [[nodiscard]] TrackOutcome Tracked(PoseEstimate estimate, const WorkerStatus& status, const StageTimes& times);
   [[nodiscard]] std::optional<double> ExplainedBy(const LocalKeyframe& keyframe) const;

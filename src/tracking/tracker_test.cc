@@ -36,8 +36,8 @@ struct Scene {
   }
   TrackOutcome Track(const Rigid3& pose) { return Track(world.Look(pose)); }
   // The first frame becomes the first keyframe, of the points before `last`.
-  void Start(std::uint32_t last = kPoints) {
-    const auto view = world.Look(Truth(0), 0, last);
+  void Start(std::uint32_t last = kPoints) { Start(world.Look(Truth(0), 0, last)); }
+  void Start(const PointWorld::View& view) {
     const TrackOutcome outcome = Track(view);
     ASSERT_TRUE(outcome.tracked && outcome.wants_keyframe);
     EXPECT_FALSE(outcome.reference.valid());
@@ -47,6 +47,19 @@ struct Scene {
   }
   void Publish() { local = BuildLocalMap(map, map.newest(), {}); }
 };
+
+// The same in front of a wall.
+PointWorld::View WithWall(const PointWorld::View& view, float depth_m) {
+  constexpr int kColumns = 80;
+  constexpr int kRows = 60;
+  const auto keypoints = view.data->keypoints();
+  const auto descriptors = view.data->descriptors();
+  return {std::make_shared<const FrameData>(
+              TestCamera(), std::vector<Keypoint>(keypoints.begin(), keypoints.end()),
+              std::vector<Descriptor>(descriptors.begin(), descriptors.end()),
+              DepthGrid(kColumns, kRows, std::vector<float>(std::size_t{kColumns} * kRows, depth_m))),
+          view.points};
+}
 
 TEST(Tracker, StartsWhereThereIsEnoughDepth) {
   Scene scene;
@@ -119,6 +132,23 @@ TEST(Tracker, IsLostWhereNothingIsKnownAndRecovers) {
   const TrackOutcome outcome = scene.Track(far);
   ASSERT_TRUE(outcome.tracked);
   EXPECT_THAT(outcome.camera_from_world, RigidNear(far, 2e-3, 0.05));
+}
+
+// A person whom no label tells from the room stands elsewhere after a jump: all matches agree, and the room does not.
+TEST(Tracker, IsNotFoundByWhatTheDepthImagesContradict) {
+  constexpr float kHere_m = 4.2F;
+  constexpr float kElsewhere_m = 7;
+  Scene scene;
+  scene.Start(WithWall(scene.world.Look(Truth(0)), kHere_m));
+  for (int frame = 1; frame < 5; ++frame) {
+    ASSERT_TRUE(scene.Track(WithWall(scene.world.Look(Truth(frame)), kHere_m)).tracked);
+  }
+  // Of much of what was just seen nobody asks; of less than half of it, the depth images.
+  ASSERT_TRUE(scene.Track(WithWall(scene.world.Look(Truth(5)), kElsewhere_m)).tracked);
+  EXPECT_FALSE(scene.Track(WithWall(scene.world.Look(Truth(6), 0, 150), kElsewhere_m)).tracked);
+  EXPECT_FALSE(scene.Track(WithWall(scene.world.Look(Truth(7)), kElsewhere_m)).tracked);
+  EXPECT_TRUE(scene.Track(WithWall(scene.world.Look(Truth(8)), kHere_m)).tracked);
+  EXPECT_TRUE(scene.Track(WithWall(scene.world.Look(Truth(9), 0, 150), kHere_m)).tracked);
 }
 
 // Found by few points side by side, a pose may be off by a third of a meter; the step to the next one is no motion.
