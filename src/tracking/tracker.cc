@@ -20,10 +20,11 @@ constexpr double kPriorChi2 = 22.5;  // 6 degrees of freedom: 99.9 %
 
 // Shares of the depth that must agree with a pose which matches alone may have got wrong: one that is found anew, and
 // one that keeps under half of the last frame's matches. A person whom no label tells from the room was seen to be the
-// same rigid thing, elsewhere, after a jump: 45 to 75 matches, 0.63 to 0.78 of the depth; right poses have 0.85 and
+// same rigid thing, elsewhere, after a jump: 45 to 75 matches, 0.63 to 0.78 of the depth; right poses had 0.85 and
 // more.
 constexpr double kLeastFound = 0.85;
-constexpr double kLeastKept = 0.75;
+constexpr double kLeastKept = 0.8;
+constexpr int kLeastJudged = 200;  // samples, else nothing is said
 
 // With a pose that is wrong, wide windows find many matches, of which some agree by chance.
 bool IsOutlierDominated(const PoseEstimate& estimate) {
@@ -228,9 +229,15 @@ bool Tracker::IsContradicted(const PoseEstimate& estimate) const {
   const LocalKeyframe& reference = map_->MostShared(PointsOf(used));
   const Rigid3 reference_from_camera = reference.camera_from_world * estimate.camera_from_world.Inverse();
   // Either way will do: people may stand before the one or before the other.
-  const auto here = ExplainedShare(*current_.data, labels_.static_samples, *reference.data, reference_from_camera);
-  const auto there = ExplainedShare(*reference.data, {}, *current_.data, reference_from_camera.Inverse());
-  return (here || there) && std::max(here.value_or(0), there.value_or(0)) < (last_.tracked ? kLeastKept : kLeastFound);
+  std::optional<double> share;
+  for (const SurfaceAgreement& way :
+       {CompareSurfaces(*current_.data, labels_.static_samples, *reference.data, reference_from_camera, kExplainedStep),
+        CompareSurfaces(*reference.data, {}, *current_.data, reference_from_camera.Inverse(), kExplainedStep)}) {
+    if (way.Judged() >= kLeastJudged) {
+      share = std::max(share.value_or(0), way.Share());
+    }
+  }
+  return share && *share < (last_.tracked ? kLeastKept : kLeastFound);
 }
 
 // The last known pose stays the place to search from; the frame itself has none.
