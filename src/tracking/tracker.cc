@@ -20,8 +20,7 @@ constexpr double kPriorChi2 = 22.5;  // 6 degrees of freedom: 99.9 %
 
 // Shares of the depth that must agree with a pose which matches alone may have got wrong: one that is found anew, and
 // one that keeps under half of the last frame's matches. A person whom no label tells from the room was seen to be the
-// same rigid thing, elsewhere, after a jump: 45 to 75 matches, 0.63 to 0.78 of the depth; right poses had 0.85 and
-// more.
+// same rigid thing, elsewhere, after a jump: 45 to 75 matches, 0.63 to 0.78 of the depth; right poses had 0.84 or more.
 constexpr double kLeastFound = 0.85;
 constexpr double kLeastKept = 0.8;
 constexpr int kLeastJudged = 200;  // samples, else nothing is said
