@@ -5,22 +5,21 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
+#include <optional>
 #include <vector>
+
+#include "optim/block_cholesky.h"
 
 namespace rds {
 
 // A symmetric positive definite matrix of n x n blocks, of which the lower ones are stored if declared. Small systems
-// are factorized as dense matrices, large ones as sparse matrices with a minimum degree ordering; the memory of those
-// is that of the declared blocks. Not thread-safe.
+// are factorized as dense matrices, large ones by BlockCholesky; the memory of those is that of the declared blocks and
+// of those that arise. Not thread-safe.
 class BlockSystem {
  public:
-  using Block = Eigen::Matrix<double, 6, 6>;
+  using Block = BlockCholesky::Block;
 
   explicit BlockSystem(std::size_t blocks);
-  ~BlockSystem();
-  BlockSystem(BlockSystem&&) noexcept;
-  BlockSystem& operator=(BlockSystem&&) noexcept;
 
   // Declares block (row, column), row >= column. Diagonal blocks are always there. Before SetZero only.
   void Declare(std::size_t row, std::size_t column);
@@ -39,22 +38,15 @@ class BlockSystem {
  private:
   static constexpr std::size_t kMaxIndexed = 600;  // blocks in a row; the index of larger systems is searched
 
-  struct SparseFactors;  // keep the ordering from one Solve to the next
-  struct Entry {
-    std::uint32_t row = 0;
-    std::int32_t index = 0;  // into blocks_
-  };
-
   [[nodiscard]] std::int32_t Find(std::size_t row, std::size_t column) const;  // -1 = not declared
   [[nodiscard]] Eigen::VectorXd SolveDense(const Eigen::VectorXd& right) const;
-  [[nodiscard]] Eigen::VectorXd SolveSparse(const Eigen::VectorXd& right);
 
   std::size_t size_;
-  std::vector<std::int32_t> index_;          // of small systems: into blocks_, row by row; -1 = not declared
-  std::vector<std::vector<Entry>> columns_;  // those declared, ascending by row
+  std::vector<std::int32_t> index_;               // of small systems: into blocks_, row by row; -1 = not declared
+  std::vector<std::vector<BlockEntry>> columns_;  // those declared, ascending by row
   std::vector<Block> blocks_;
   std::int32_t declared_ = 0;
-  std::unique_ptr<SparseFactors> sparse_;
+  std::optional<BlockCholesky> sparse_;  // keeps the ordering from one Solve to the next
 };
 
 }  // namespace rds

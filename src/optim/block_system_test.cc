@@ -63,6 +63,41 @@ TEST(BlockSystem, SaysSoIfNotPositiveDefinite) {
   }
 }
 
+// Loops that nothing connects, of a size that is solved as a sparse one; twice, with other numbers the second time.
+TEST(BlockSystem, SolvesWhatFallsApart) {
+  constexpr std::size_t kSize = 150;
+  constexpr std::size_t kLoop = 15;
+  BlockSystem system(kSize);
+  std::vector<std::pair<std::size_t, std::size_t>> places;  // row, column
+  for (std::size_t i = 0; i < kSize; ++i) {
+    const bool is_last = i % kLoop == kLoop - 1;
+    const auto [row, column] = places.emplace_back(is_last ? i : i + 1, is_last ? i + 1 - kLoop : i);
+    system.Declare(row, column);
+  }
+  Random random(7);
+  for (int round = 0; round < 2; ++round) {
+    system.SetZero();
+    const auto order = static_cast<Eigen::Index>(6 * kSize);
+    Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(order, order);
+    for (std::size_t i = 0; i < kSize; ++i) {
+      system.At(i, i).diagonal().setConstant(20);
+    }
+    for (const auto& [row, column] : places) {
+      BlockSystem::Block& block = system.At(row, column);
+      for (double& value : block.reshaped()) {
+        value = random.Uniform(-1, 1);
+      }
+      matrix.block<6, 6>(static_cast<Eigen::Index>(6 * row), static_cast<Eigen::Index>(6 * column)) = block;
+    }
+    matrix.diagonal().setConstant(20);
+    const Eigen::MatrixXd whole = matrix.selfadjointView<Eigen::Lower>();
+    const Eigen::VectorXd expected = Eigen::VectorXd::LinSpaced(order, -1, 2);
+    const Eigen::VectorXd solution = system.Solve(whole * expected);
+    ASSERT_EQ(solution.size(), expected.size());
+    EXPECT_LT((solution - expected).norm(), 1e-9 * expected.norm());
+  }
+}
+
 TEST(BlockSystem, CanBeFilledAnew) {
   BlockSystem system(3);
   Fill(3, &system);
