@@ -171,7 +171,9 @@ std::optional<PlaceFound> LoopCloser::FindAgain(const MapAccess& map, const Subj
     if (!found || !IsWithin(*found, kLoopBounds)) {
       continue;
     }
-    if ((!in_own_world || IsExplained(map, subject, *found)) && IsWitnessed(map, subject, *plan, *found)) {
+    const bool is_plausible =
+        in_own_world ? IsExplained(map, subject, *found) : IsBeyondChance(subject.query, *found, *plan, pyramid_);
+    if (is_plausible && IsWitnessed(map, subject, *plan, *found)) {
       return found;
     }
   }

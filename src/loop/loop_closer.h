@@ -41,7 +41,8 @@ class LoopCloser {
   // Looks for the place of a keyframe elsewhere in the map: in its own world among what is not tied to it by points
   // that both see, which is a loop, or in another, which is merged. Points that it or those beside it see already do
   // not count. Both need a witness: a keyframe beside it whose pose is confirmed by what that implies; a loop corrects
-  // no more than the way travelled since may have added up to. Corrects the map.
+  // no more than the way travelled since may have added up to, and for a merge more must speak than chance. Corrects
+  // the map.
   [[nodiscard]] std::optional<Closure> Close(MapAccess& map, KeyframeId keyframe);
   // Full bundle adjustment of a world, on a copy; nothing of it is kept if `stop` says so or if many poses of the map
   // have changed since. Whether it was applied. May run beside the rest.

@@ -11,7 +11,7 @@
 namespace rds {
 namespace {
 
-constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+constexpr std::uint32_t kNoColumn = std::numeric_limits<std::uint32_t>::max();
 
 // Of each column of the factor: that of the matrix.
 std::vector<std::uint32_t> MinimumDegree(std::span<const std::vector<BlockEntry>> columns) {
@@ -45,7 +45,7 @@ BlockCholesky::BlockCholesky(std::span<const std::vector<BlockEntry>> columns)
   }
   // A column has the rows of its own blocks and those of its children: the columns whose first row below it is.
   std::vector<std::vector<std::uint32_t>> children(size());
-  std::vector<std::uint32_t> seen(size(), kNone);
+  std::vector<std::uint32_t> seen(size(), kNoColumn);
   for (std::uint32_t column = 0; column < size(); ++column) {
     const auto add = [&](std::uint32_t row) {
       if (row >= column && std::exchange(seen[row], column) != column) {
@@ -72,8 +72,8 @@ BlockCholesky::BlockCholesky(std::span<const std::vector<BlockEntry>> columns)
 
 bool BlockCholesky::Factorize(std::span<const Block> blocks) {
   // Columns on the left wait at the column of the next of their rows.
-  std::vector<std::uint32_t> first(size(), kNone);
-  std::vector<std::uint32_t> next(size(), kNone);
+  std::vector<std::uint32_t> first(size(), kNoColumn);
+  std::vector<std::uint32_t> next(size(), kNoColumn);
   std::vector<std::size_t> reached(size());
   std::vector<std::uint32_t> place(size());  // of a row in the present column
   const auto wait = [&](std::uint32_t column) {
@@ -93,7 +93,7 @@ bool BlockCholesky::Factorize(std::span<const Block> blocks) {
       const Block& block = blocks[static_cast<std::size_t>(index)];
       own[place[row]] = transposed ? Block(block.transpose()) : block;
     }
-    for (std::uint32_t left = first[column], after = kNone; left != kNone; left = after) {
+    for (std::uint32_t left = first[column], after = kNoColumn; left != kNoColumn; left = after) {
       after = next[left];
       const std::size_t from = reached[left]++;
       const Block across = factor_[from].transpose();

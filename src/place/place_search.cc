@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <unordered_set>
 
@@ -30,6 +31,10 @@ constexpr int kLeastAgreeing = 10;
 constexpr double kWide_px = 10;   // around projections by a first pose
 constexpr double kNarrow_px = 4;  // by a better one
 constexpr double kSearchRatio = 0.8;
+constexpr double kBeside_rad = 0.05;    // of poses that are held against one
+constexpr double kBeyondChance = 1.35;  // times as many matches as those have
+constexpr int kCloseDistance = 50;      // Hamming
+constexpr double kCloseShare = 0.35;
 constexpr int kDynamicReach_px = 100;  // along its surface from a keypoint that is dynamic
 
 // Matches of the candidate's points to all keypoints that are not dynamic, each keypoint once.
@@ -132,16 +137,22 @@ double PositionSigma_m(const Eigen::Matrix<double, 6, 6>& information) {
   return most >= 0 ? std::sqrt(most) : std::numeric_limits<double>::infinity();
 }
 
+// One flag for each keypoint.
+std::vector<std::uint8_t> DynamicKeypoints(const PlaceQuery& query) {
+  std::vector<std::uint8_t> dynamic(query.data->size(), 0);
+  for (std::size_t i = 0; i < query.labels.size(); ++i) {
+    dynamic[i] = query.labels[i] == KeypointLabel::kDynamic ? 1 : 0;
+  }
+  return dynamic;
+}
+
 // Matches around the projections of all static points, from coarse to fine; then the surfaces.
 std::optional<PlaceFound> Refine(const PlaceQuery& query, Estimate estimate, const PlaceCandidate& candidate,
                                  const ScalePyramid& pyramid, const PoseOptimizerOptions& options) {
   const LocalMap& map = *candidate.map;
   for (const double window_px : {kWide_px, kNarrow_px}) {
     std::vector<std::uint8_t> taken = candidate.left_out;
-    std::vector<std::uint8_t> occupied(query.data->size(), 0);
-    for (std::size_t i = 0; i < query.labels.size(); ++i) {
-      occupied[i] = query.labels[i] == KeypointLabel::kDynamic ? 1 : 0;
-    }
+    std::vector<std::uint8_t> occupied = DynamicKeypoints(query);
     for (const PointMatch& match : estimate.matches) {
       taken[match.point] = 1;
       occupied[match.keypoint] = 1;
@@ -289,6 +300,30 @@ std::optional<PlaceFound> VerifyPose(const PlaceQuery& query, const Rigid3& came
   Estimate estimate;
   estimate.pose.camera_from_world = camera_from_world;
   return Refine(query, std::move(estimate), candidate, pyramid, options);
+}
+
+bool IsBeyondChance(const PlaceQuery& query, const PlaceFound& found, const PlaceCandidate& candidate,
+                    const ScalePyramid& pyramid) {
+  const LocalMap& map = *candidate.map;
+  const auto is_close = [&](const std::pair<std::uint32_t, PointId>& match) {
+    const auto point = map.IndexOf(match.second);
+    return point && HammingDistance(map.descriptors[*point], query.data->descriptors()[match.first]) <= kCloseDistance;
+  };
+  const auto matches = static_cast<double>(found.matches.size());
+  if (static_cast<double>(std::ranges::count_if(found.matches, is_close)) >= kCloseShare * matches) {
+    return true;
+  }
+  const std::vector<std::uint8_t> dynamic = DynamicKeypoints(query);
+  const std::array<Eigen::Vector3d, 4> turns{
+      {{kBeside_rad, 0, 0}, {-kBeside_rad, 0, 0}, {0, kBeside_rad, 0}, {0, -kBeside_rad, 0}}};
+  double by_chance = 0;
+  for (const Eigen::Vector3d& turn : turns) {
+    const Rigid3 beside = Rigid3{ExpSo3(turn), Eigen::Vector3d::Zero()} * found.camera_from_world;
+    const LocalSearch search =
+        SearchLocalMap(*query.data, beside, map, pyramid, candidate.left_out, dynamic, kNarrow_px, kSearchRatio);
+    by_chance += static_cast<double>(search.matches.size()) / turns.size();
+  }
+  return matches >= kBeyondChance * by_chance;
 }
 
 }  // namespace rds

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <numbers>
 
+#include "place/projection_search.h"
 #include "testing/matchers.h"
 #include "testing/ring_world.h"
 
@@ -91,6 +92,39 @@ TEST(PlaceSearch, WhatOnlyLooksTheSameIsGivenAwayByItsSurfaces) {
   ASSERT_TRUE(found.has_value());
   EXPECT_GE(found->matches.size(), 50U);
   EXPECT_LT(found->surfaces.Share(), kRelocalizationBounds.surfaces);
+}
+
+// Planks and stains look like planks and stains: any pose has matches, the right one more of them, or closer ones.
+TEST(PlaceSearch, WhatChanceMatchesAnywhereDoesNotSpeakForAPose) {
+  const RingOptions options{.keyframes = 60, .rounds = 0.5, .landmarks_per_m = 800, .variety = 40};
+  const Scene scene(options);
+  RingOptions other = options;
+  other.seed = 99;
+  const RingWorld elsewhere(other);
+  const Rigid3 map_from_truth = scene.map.At(scene.ids[0]).camera_from_world.Inverse() * scene.world.truth[0];
+  for (const std::size_t i : {10U, 25U, 40U}) {
+    const auto candidate = PlanPlace(scene.map, scene.ids[i]);
+    ASSERT_TRUE(candidate.has_value());
+    const Rigid3 pose = Aside(scene.world, std::numbers::pi * static_cast<double>(i) / 60);
+    const auto found = [&](const PlaceQuery& query) {
+      const std::vector<std::uint8_t> occupied(query.data->size(), 0);
+      PlaceFound there;
+      there.camera_from_world = pose * map_from_truth.Inverse();
+      for (const PointMatch& match : SearchLocalMap(*query.data, there.camera_from_world, *candidate->map,
+                                                    ScalePyramid(), candidate->left_out, occupied, 4, 0.8)
+                                         .matches) {
+        there.matches.emplace_back(match.keypoint, candidate->map->ids[match.point]);
+      }
+      return there;
+    };
+    const PlaceQuery here{scene.world.Look(pose, 5).data, {}};
+    const PlaceQuery there{elsewhere.Look(pose, 5).data, {}};
+    const PlaceFound right = found(here);
+    const PlaceFound wrong = found(there);
+    EXPECT_GE(wrong.matches.size(), 50U) << i;
+    EXPECT_TRUE(IsBeyondChance(here, right, *candidate, ScalePyramid())) << i;
+    EXPECT_FALSE(IsBeyondChance(there, wrong, *candidate, ScalePyramid())) << i;
+  }
 }
 
 // Above people there may be a strip of wall only, where position and rotation make up for each other.

@@ -27,6 +27,7 @@ struct RingOptions {
   double turn_rad = 0;       // added to each relative motion, about the vertical axis
   double noise_px = 0.7;     // of keypoints
   double flips = 0.03;       // share of the bits of a descriptor that differ from one view to the next
+  int variety = 0;           // bits in which a look differs from one that all are like; 0 = looks are their own
   int period = 0;            // looks repeat so many times round the ring; 0 = they never do
 };
 
@@ -46,7 +47,8 @@ class RingWorld {
       const double radius = options.radius_m + (side == 0 ? -Wall(angle) : side == 1 ? Wall(angle + 1) : across);
       const double height = side == 2 ? -kHalf_m : side == 3 ? kHalf_m : random.Uniform(-kHalf_m, kHalf_m);
       landmarks_.push_back({radius * std::sin(angle), height, radius * std::cos(angle)});
-      looks_.push_back({random.Bits(), random.Bits(), random.Bits(), random.Bits()});
+      looks_.push_back(options.variety > 0 ? Flipped({}, options.variety, random)
+                                           : Descriptor{random.Bits(), random.Bits(), random.Bits(), random.Bits()});
       by_cell_[CellOf(angle)].push_back(static_cast<std::uint32_t>(i));
     }
     if (options.period > 0) {
@@ -93,7 +95,7 @@ class RingWorld {
         keypoint.raw_y = keypoint.y;
         keypoint.depth_m += static_cast<float>(random.Gaussian(0, static_cast<double>(keypoint.depth_sigma_m)));
         keypoints.push_back(keypoint);
-        descriptors.push_back(Blurred(looks_[i], random));
+        descriptors.push_back(Flipped(looks_[i], static_cast<int>(options_.flips * 256), random));
         view.landmarks.push_back(i);
       }
     }
@@ -190,8 +192,7 @@ class RingWorld {
     }
     period_ = times;
   }
-  [[nodiscard]] Descriptor Blurred(Descriptor look, Random& random) const {
-    const int flips = static_cast<int>(options_.flips * 256);
+  [[nodiscard]] static Descriptor Flipped(Descriptor look, int flips, Random& random) {
     for (int i = 0; i < flips; ++i) {
       const std::uint32_t bit = random.Index(256);
       look[bit >> 6U] ^= std::uint64_t{1} << (bit & 63U);
