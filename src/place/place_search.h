@@ -107,7 +107,7 @@ inline constexpr PlaceBounds kLoopBounds{50, 0.85, 200};
 
 // Whether more speaks for a pose found than chance. Where all is full of texture, a wrong pose that takes one floor for
 // another has a hundred matches, as any pose beside it has: of those of rooms of different buildings it had 0.6 to 1.1
-// times as many as poses three degrees off, and at most a sixth of them were close. Of right ones in the kitchen with
+// times as many as poses three degrees off, and at most a fifth of them were close. Of right ones in the kitchen with
 // people it had 1.6 times as many or more, or more than half were close.
 [[nodiscard]] bool IsBeyondChance(const PlaceQuery& query, const PlaceFound& found, const PlaceCandidate& candidate,
                                   const ScalePyramid& pyramid);
