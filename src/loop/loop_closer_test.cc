@@ -161,6 +161,17 @@ TEST(LoopCloser, ACorrectionThatTheWayDoesNotExplainIsNoLoop) {
   EXPECT_THAT(turned.closures, IsEmpty());
 }
 
+// What moves unrecognized may bend a map by far more than tracking drifts.
+TEST(LoopCloser, AMapThatIsBentOnAShortWayIsMended) {
+  Scene scene({.radius_m = 4, .keyframes = 80, .turn_rad = 0.005});  // by 21 degrees on 25 m
+  const std::vector<KeyframeId> ids = scene.world.AddTo(scene.map, 0, 80);
+  const double before = scene.world.Rmse(scene.map, ids);
+  scene.Learn(ids);
+  ASSERT_FALSE(scene.Moved().empty());
+  EXPECT_LT(scene.world.Rmse(scene.map, ids), 0.5 * before) << before;
+  EXPECT_LT(scene.WorstPlace(), 0.1);
+}
+
 // ORB_SLAM3 PR #416, #242: maps that overlap and never become one.
 TEST(LoopCloser, PiecesBecomeOneWorld) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
