@@ -40,9 +40,8 @@ class LoopCloser {
   [[nodiscard]] std::optional<PlaceFound> Relocalize(const MapAccess& map, const PlaceQuery& query, double timestamp_s);
   // Looks for the place of a keyframe elsewhere in the map: in its own world among what is not tied to it by points
   // that both see, which is a loop, or in another, which is merged. Points that it or those beside it see already do
-  // not count. Both need a witness: a keyframe beside it whose pose is confirmed by what that implies; a loop corrects
-  // no more than the way travelled since may have added up to, and for a merge more must speak than chance. Corrects
-  // the map.
+  // not count. Both need more matches than chance has, and a witness: a keyframe beside it whose pose is confirmed by
+  // what that implies; a loop corrects no more than the way travelled since explains. Corrects the map.
   [[nodiscard]] std::optional<Closure> Close(MapAccess& map, KeyframeId keyframe);
   // Full bundle adjustment of a world, on a copy; nothing of it is kept if `stop` says so or if many poses of the map
   // have changed since. Whether it was applied. May run beside the rest.
@@ -70,7 +69,7 @@ class LoopCloser {
   // `scores` are those of the subject.
   [[nodiscard]] std::optional<PlaceFound> FindAgain(const MapAccess& map, const Subject& subject,
                                                     std::span<const PlaceScore> scores, bool in_own_world) const;
-  // Whether the way between the two may have added up to the correction that the pose found implies.
+  // Whether the way between the two explains the correction that the pose found implies.
   [[nodiscard]] static bool IsExplained(const MapAccess& map, const Subject& subject, const PlaceFound& found);
   // Whether a witness sees what the pose found implies, in the same surroundings.
   [[nodiscard]] bool IsWitnessed(const MapAccess& map, const Subject& subject, const PlaceCandidate& surroundings,
